@@ -1,0 +1,101 @@
+#include "base/monitor.h"
+
+#include <algorithm>
+
+#include "base/errors.h"
+
+namespace dapple {
+namespace {
+
+constexpr std::chrono::milliseconds kInterval{100};
+
+}  // namespace
+
+const char* stageName(Stage stage) {
+  switch (stage) {
+    case Stage::Load:
+      return "load";
+    case Stage::Neighbours:
+      return "neighbours";
+    case Stage::Normals:
+      return "normals";
+    case Stage::Synthesis:
+      return "synthesis";
+    case Stage::Score:
+      return "score";
+    case Stage::Render:
+      return "render";
+    case Stage::Save:
+      return "save";
+  }
+  return "unknown";
+}
+
+Monitor::Monitor(Workers& workers, std::stop_token stop, MonitorCallbacks callbacks)
+    : workers_(workers), stop_(std::move(stop)), callbacks_(std::move(callbacks)) {
+  stageStart_ = Clock::now();
+}
+
+void Monitor::checkpoint() const {
+  if (cancelled()) throw Cancelled();
+}
+
+void Monitor::begin(Stage stage, std::size_t points) {
+  checkpoint();
+  const std::lock_guard lock(mutex_);
+  stage_ = stage;
+  total_ = points;
+  done_ = 0;
+  stageStart_ = Clock::now();
+  report();
+}
+
+void Monitor::advance(std::size_t points) {
+  checkpoint();
+  done_.fetch_add(points, std::memory_order_relaxed);
+  if (!callbacks_.progress) return;
+  const std::int64_t now = Clock::now().time_since_epoch().count();
+  if (now < nextReport_.load(std::memory_order_relaxed)) return;
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (lock) report();
+}
+
+void Monitor::report() {
+  if (!callbacks_.progress) return;
+  const auto now = Clock::now();
+  nextReport_ = (now + kInterval).time_since_epoch().count();
+  const double seconds = std::chrono::duration<double>(now - stageStart_).count();
+  const double done = static_cast<double>(done_.load(std::memory_order_relaxed));
+  Progress progress{.stage = stage_};
+  if (total_ > 0) {
+    progress.fraction = std::min(1.0, done / static_cast<double>(total_));
+    if (seconds > 0.02 && done > 0) {
+      progress.pointsPerSecond = done / seconds;
+      progress.secondsLeft = seconds * (1 - progress.fraction) / progress.fraction;
+    }
+  }
+  callbacks_.progress(progress);
+}
+
+bool Monitor::wantsPreview() {
+  return callbacks_.preview && Clock::now() - lastPreview_ >= kInterval;
+}
+
+void Monitor::publish(const Preview& preview) {
+  if (!callbacks_.preview) return;
+  callbacks_.preview(preview);
+  lastPreview_ = Clock::now();
+}
+
+void parallelFor(Monitor& monitor, std::size_t count, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body, bool counted) {
+  const std::size_t chunks = (count + grain - 1) / grain;
+  monitor.workers().run(chunks, [&](std::size_t chunk) {
+    monitor.checkpoint();
+    const std::size_t begin = chunk * grain, end = std::min(count, begin + grain);
+    body(begin, end);
+    if (counted) monitor.advance(end - begin);
+  });
+}
+
+}  // namespace dapple

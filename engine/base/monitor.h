@@ -1,0 +1,79 @@
+// The thread between a long function and whoever waits for it: stop, progress, preview.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <stop_token>
+
+#include "base/parallel.h"
+#include "base/types.h"
+
+namespace dapple {
+
+enum class PointState : std::uint8_t { Free, Patch, Gap, Matched };
+
+enum class Stage { Load, Neighbours, Normals, Synthesis, Score, Render, Save };
+const char* stageName(Stage stage);
+
+struct Progress {
+  Stage stage = Stage::Load;
+  double fraction = 0;         // of this stage, 0..1
+  double pointsPerSecond = 0;  // of this stage so far; 0 while unknown
+  double secondsLeft = 0;      // of this stage; 0 while unknown
+};
+
+// Columns as they are in the middle of a synthesis; valid during the call only.
+struct Preview {
+  std::span<const vec3> colours;       // n
+  std::span<const PointState> states;  // n
+};
+
+struct MonitorCallbacks {
+  std::function<void(const Progress&)> progress;
+  std::function<void(const Preview&)> preview;
+};
+
+// Every long function takes one Monitor& last and calls checkpoint() at least every 10 ms of work.
+// checkpoint(), advance() and cancelled() may be called from any thread; the callbacks come at most
+// 10 times a second, one at a time.
+class Monitor {
+ public:
+  explicit Monitor(Workers& workers, std::stop_token stop = {}, MonitorCallbacks callbacks = {});
+
+  Workers& workers() { return workers_; }
+  bool cancelled() const { return stop_.stop_requested(); }
+  void checkpoint() const;  // throws Cancelled
+
+  // Starts a stage of `points` points (0: no rate is shown).
+  void begin(Stage stage, std::size_t points);
+  // `points` more are done. Throws Cancelled.
+  void advance(std::size_t points);
+
+  // True at most 10 times a second, and only when somebody looks: then gather and publish().
+  bool wantsPreview();
+  void publish(const Preview& preview);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void report();
+
+  Workers& workers_;
+  std::stop_token stop_;
+  MonitorCallbacks callbacks_;
+  std::mutex mutex_;
+  Stage stage_ = Stage::Load;
+  std::size_t total_ = 0;
+  Clock::time_point stageStart_, lastPreview_;
+  std::atomic<std::size_t> done_{0};
+  std::atomic<std::int64_t> nextReport_{0};
+};
+
+// Calls body(begin, end) over [0, count) in chunks of `grain`, in parallel, with a checkpoint and,
+// if `counted`, an advance() per chunk. The chunks do not depend on the number of threads.
+void parallelFor(Monitor& monitor, std::size_t count, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body, bool counted = false);
+
+}  // namespace dapple

@@ -1,0 +1,31 @@
+// A small pool of threads that sleep while there is nothing to do (no spinning: the window shares
+// these cores), and loops over fixed chunks, so that results do not depend on the thread count.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace dapple {
+
+class Workers {
+ public:
+  // `threads` in all, the calling one included; 0 means one for each processor.
+  explicit Workers(unsigned threads = 0);
+  ~Workers();
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+
+  unsigned threads() const;
+
+  // Runs body(0) ... body(count - 1), each once, in any order, on all threads; returns when all
+  // are done. Of several exceptions the one of the smallest index is thrown on. Not re-entrant:
+  // called by one thread at a time, and never from inside a body.
+  void run(std::size_t count, const std::function<void(std::size_t)>& body);
+
+ private:
+  struct Pool;
+  std::unique_ptr<Pool> pool_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,19 @@
+// Images from and to files, through OpenImageIO. A library of its own (dapple_imageio): linking
+// OpenImageIO costs every program 0.15 s at start, so unit tests do without.
+#pragma once
+
+#include <filesystem>
+
+#include "swatch/image.h"
+
+namespace dapple {
+
+// Any format that OpenImageIO knows, 1 to 4 channels, 8 or 16 bit or float; two channels are grey
+// and alpha. Alpha is unassociated. Throws IoError.
+Image readImage(const std::filesystem::path& path);
+
+// Format by extension; 8 bit, or 16 bit for a PNG/TIFF when `sixteenBit`. Written beside and
+// renamed into place. Throws IoError.
+void writeImage(const std::filesystem::path& path, const Image& image, bool sixteenBit = false);
+
+}  // namespace dapple

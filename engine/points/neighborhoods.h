@@ -1,0 +1,34 @@
+// The k nearest other points of every point, flat, computed once per scan and shared by all stages.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/monitor.h"
+#include "points/point_set.h"
+
+namespace dapple {
+
+struct Neighborhoods {
+  std::size_t k = 0;
+  std::vector<Index> ids;        // n x k, nearest first, ties by id
+  std::vector<float> distances;  // n x k, local units
+
+  std::size_t size() const { return k == 0 ? 0 : ids.size() / k; }
+  std::span<const Index> of(std::size_t i) const { return {ids.data() + i * k, k}; }
+  std::span<const float> distancesOf(std::size_t i) const { return {distances.data() + i * k, k}; }
+};
+
+// k nearest other points of each point (the point itself is left out). Throws InvalidInput when
+// there are not more than k points.
+Neighborhoods buildNeighborhoods(const std::vector<vec3>& positions, std::size_t k,
+                                 Monitor& monitor);
+
+// Side of the square of surface that one point owns, local units: the mean over points of
+// r_k sqrt(pi / (k + 1/2)), r_k the distance to the k-th neighbour (methods: section 1.1).
+double meanSpacing(const Neighborhoods& neighborhoods);
+
+// The same for each point (n, local units).
+std::vector<float> localSpacing(const Neighborhoods& neighborhoods);
+
+}  // namespace dapple

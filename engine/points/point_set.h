@@ -1,0 +1,34 @@
+// Points as the engine works on them: finite, distinct, in Morton order, in local coordinates.
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+
+namespace dapple {
+
+// Structure of arrays; all columns that are not empty have size() elements.
+struct PointSet {
+  std::vector<vec3> positions;  // n, local units
+  std::vector<vec3> normals;    // n, unit length, outward; empty until known
+  std::vector<vec3> colours;    // n, the scan's own, 0..1; empty when it has none
+
+  // model coordinates = origin + modelUnits * local. modelUnits is a power of two that brings the
+  // scan's largest extent into [1, 2), so that millimetres and metres give the same local bits
+  // (up to the rounding of the file's own numbers) and coordinates far from 0 keep their precision.
+  dvec3 origin{0};
+  double modelUnits = 1;
+
+  std::size_t size() const { return positions.size(); }
+};
+
+// Right-handed orthonormal axes on the surface: s x t = n. s runs along the swatch's rows to the
+// right, t up its columns (image row = -t).
+struct TangentFrame {
+  vec3 s{1, 0, 0}, t{0, 1, 0}, n{0, 0, 1};
+};
+
+// Ids of the points in Morton (Z-curve) order of a 2^21 grid over their bounds; ties by id.
+std::vector<Index> mortonOrder(const std::vector<vec3>& positions);
+
+}  // namespace dapple

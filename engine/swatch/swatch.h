@@ -1,0 +1,52 @@
+// The sample image that a region takes its pattern from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "swatch/image.h"
+
+namespace dapple {
+
+enum class Tileable { Auto, Yes, No };
+
+// Texel coordinates everywhere: swatch pixels, x to the right, y down, pixel centres at +0.5.
+struct Swatch {
+  int width = 0, height = 0;
+  bool tileable = false;
+  bool hasHoles = false;             // some texel is transparent
+  std::vector<std::uint8_t> opaque;  // w x h, 1 = may be used
+  // Gaussian stack, full size at every level: level 0 is the image, level l is blurred by
+  // 0.5 * 2^l pixels; transparent texels hold the colour of the nearest opaque one, so that a
+  // filter at the rim of a hole never mixes in what is hidden.
+  std::vector<std::vector<vec3>> stack;
+
+  const std::vector<vec3>& colours() const { return stack.front(); }
+  std::size_t pixels() const { return static_cast<std::size_t>(width) * height; }
+};
+
+// Grey, RGB or RGBA image to a swatch with `levels` >= 1 of the stack. A texel is opaque when its
+// alpha is >= 0.5. Tileable::Auto detects it (an image with holes never tiles). Throws InvalidInput
+// when the image is smaller than 2 x 2 or wholly transparent; `name` is for the message.
+Swatch makeSwatch(const Image& image, Tileable tileable, int levels, const std::string& name);
+
+// True when the step across both pairs of opposite borders is at most 1.5 times the mean step
+// inside along the same direction (methods: section 1.4).
+bool looksTileable(const Image& image);
+
+// Bilinear colour; wrapped when tileable, else clamped to the border pixels. A fractional level
+// blends two levels of the stack.
+vec3 sampleSwatch(const Swatch& swatch, vec2 texel, float level = 0);
+
+// The texel inside the image: wrapped into [0, w) x [0, h) when tileable, else unchanged.
+vec2 wrapTexel(const Swatch& swatch, vec2 texel);
+
+// True when a bilinear read at `texel` touches opaque texels of the image only (always true for a
+// tileable swatch).
+bool usableTexel(const Swatch& swatch, vec2 texel);
+
+// Root mean square deviation from the mean colour over opaque texels, all channels together: the
+// swatch's contrast sigma.
+double swatchContrast(const Swatch& swatch);
+
+}  // namespace dapple

@@ -1,0 +1,50 @@
+// The one SIMD kernel that compares a point's neighbourhood with every place in a swatch; placement
+// of patches and all exhaustive matchers use it (methods: section 3.2).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "swatch/swatch.h"
+
+namespace dapple {
+
+enum class SimdPath { Scalar, Avx2, Avx512Vnni };
+SimdPath bestSimdPath();  // of this processor
+
+// One neighbour with a known colour.
+struct SearchTerm {
+  vec2 offset;  // from the searched place, swatch pixels (x right, y down)
+  vec3 colour;  // 0..1
+};
+
+struct SearchResult {
+  vec2 texel{0};            // of the best place, pixel centres at +0.5
+  std::uint32_t error = 0;  // sum over terms of squared 7-bit RGB differences
+  bool found = false;       // false when no place keeps all terms inside and opaque
+};
+
+// For each phase (a, b) of P x P a plane of 7-bit RGB0 pixels I(x + a/P, y + b/P). Immutable after
+// construction; search() may be called from many threads.
+class SwatchSearch {
+ public:
+  // `level` of the swatch's stack, `phases` P in {1, 2, 4, 8}.
+  SwatchSearch(const Swatch& swatch, int level, int phases);
+  ~SwatchSearch();
+  SwatchSearch(SwatchSearch&&) noexcept;
+
+  // The place x over all integer pixels (times every phase of `subPixel` x `subPixel` sub-positions
+  // when > 1) with the least sum over terms |I(x + offset) - colour|^2. Tileable: wrapped, all
+  // places; else only where every term stays inside the image; places where a term or the place
+  // itself falls on a transparent texel are skipped. Ties: smallest y, then x. All paths give the
+  // same result. At most 2^16 terms.
+  SearchResult search(std::span<const SearchTerm> terms, SimdPath path) const;
+  SearchResult search(std::span<const SearchTerm> terms) const;  // on the best path
+
+ private:
+  struct Planes;
+  std::unique_ptr<Planes> planes_;
+};
+
+}  // namespace dapple

@@ -1,0 +1,31 @@
+// Colours points one by one by matching their coloured neighbours with the swatch ([Zhang] section
+// 4), exhaustively or coherently, on one level or coarse to fine.
+#pragma once
+
+#include <vector>
+
+#include "base/monitor.h"
+#include "synthesis/source_map.h"
+#include "synthesis/synthesis_input.h"
+
+namespace dapple {
+
+struct MatchingOptions {
+  bool coherent = true;  // candidates from the neighbours' texels, kept as real numbers
+  int levels = 1;        // [1, 8] of the point hierarchy
+  std::uint64_t seed = 1;
+};
+
+struct MatchingStatistics {
+  std::size_t matched = 0;   // points coloured here
+  std::size_t searches = 0;  // exhaustive searches run
+  double meanError = 0;      // root mean square colour difference per term and channel, 0..1
+};
+
+// Colours every point of `map` whose state is Free or Gap; Patch points stay as they are and count
+// as coloured. map.frame must hold the axes of every point and map.scale the unit. Writes texel,
+// colour, state = Matched, patch = kNone, error, order. Throws Cancelled.
+MatchingStatistics matchNeighborhoods(const SynthesisInput& input, const MatchingOptions& options,
+                                      SourceMap& map, Monitor& monitor);
+
+}  // namespace dapple

@@ -1,0 +1,41 @@
+// Where in the swatch every point's colour comes from: the one thing that every method writes, and
+// from which colours, other channels, exports and diagnostic views all follow.
+#pragma once
+
+#include <vector>
+
+#include "base/monitor.h"
+#include "points/point_set.h"
+#include "swatch/swatch.h"
+
+namespace dapple {
+
+// One contribution to a gap point that was alpha blended.
+struct BlendTerm {
+  vec2 texel;
+  Index patch;
+  float weight;  // the weights of a point sum to 1
+};
+
+// n elements a column. A column that a method has nothing to say about stays empty.
+struct SourceMap {
+  float scale = 0;                  // local units per swatch pixel
+  std::vector<vec2> texel;          // swatch pixels
+  std::vector<TangentFrame> frame;  // the swatch's axes on the surface
+  std::vector<vec3> colour;         // 0..1
+  std::vector<PointState> state;
+  std::vector<Index> patch;        // patch or cluster id, kNone when none
+  std::vector<float> error;        // what the method minimised (distortion, matching error)
+  std::vector<Index> order;        // rank in which the point was decided, kNone when never
+  std::vector<vec2> domain;        // patches: position in the patch's flattened domain, pixels
+  std::vector<Index> blendOffset;  // n + 1 offsets into blend, or empty
+  std::vector<BlendTerm> blend;
+};
+
+// A map of n free points.
+SourceMap emptySourceMap(std::size_t n, float scale);
+
+// The colour that the map gives point i: its texel, or its blend.
+vec3 mappedColour(const SourceMap& map, const Swatch& swatch, std::size_t i);
+
+}  // namespace dapple

@@ -1,0 +1,18 @@
+// What every method starts from.
+#pragma once
+
+#include "points/neighborhoods.h"
+#include "points/point_set.h"
+#include "swatch/swatch.h"
+
+namespace dapple {
+
+struct SynthesisInput {
+  const PointSet& points;  // with normals
+  const Neighborhoods& neighborhoods;
+  const Swatch& swatch;
+  const std::vector<TangentFrame>& frames;  // n: where the swatch's axes should point
+  float unit = 0;                           // local units per swatch pixel
+};
+
+}  // namespace dapple

@@ -1,0 +1,58 @@
+// How good is a textured point set? Objective measures on the points themselves, no mesh, no
+// picture (methods: section 8).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "base/monitor.h"
+#include "points/neighborhoods.h"
+#include "points/point_set.h"
+#include "swatch/swatch.h"
+#include "synthesis/source_map.h"
+
+namespace dapple {
+
+struct ScoreInput {
+  const PointSet& points;              // with normals
+  const Neighborhoods& neighborhoods;  // k >= 14
+  const std::vector<vec3>& colours;    // n, 0..1
+  const Swatch& swatch;
+  float unit = 0;                                 // local units per swatch pixel
+  const SourceMap* map = nullptr;                 // texel, frame, state, patch where there is one
+  const std::vector<vec3>* directions = nullptr;  // n, tangents: where the swatch's t should point;
+                                                  // needed for the oriented figures
+};
+
+struct ScoreOptions {
+  std::size_t evaluationPoints = 2000;  // [50, 100000]
+  std::uint64_t seed = 1;
+};
+
+// Figures at one scale h = max(1, spacing/unit) * {1, 2, 4} pixels.
+struct ScaleScore {
+  double step = 0;        // h, pixels
+  double residual = 0;    // c: mean RMS distance to the best swatch patch / sigma_h
+  double residual95 = 0;  // its 95th percentile
+  double defects = 0;     // share of evaluated points with c > tau_h
+  double threshold = 0;   // tau_h
+  double sliced = 0;      // sw: sliced Wasserstein distance of patches / deviation
+};
+
+struct TextureScore {
+  std::array<ScaleScore, 3> free;                     // any rotation
+  std::optional<std::array<ScaleScore, 3>> oriented;  // within +-20 degrees of the directions
+  double F = 0;  // (1 - def_2) max(0, 1 - max(0, sw_2 - 0.045) / 0.25)
+  std::optional<double> orientedF;
+  std::optional<double> seamError;    // mean over k-NN edges |I(s_i + R_i o_ij) - c_j| / sigma
+  std::optional<double> breaks;       // share of edges off by more than 0.8 px
+  std::optional<double> verbatim;     // area-weighted mean size of coherent pieces, points
+  std::optional<double> gapContrast;  // contrast of gap (and matched) points / the swatch's
+};
+
+// Deterministic for a seed at any number of threads. Throws InvalidInput (fewer than 200 points, a
+// unit that is not positive, a surface smaller than an evaluation window), Cancelled.
+TextureScore scoreTexture(const ScoreInput& input, const ScoreOptions& options, Monitor& monitor);
+
+}  // namespace dapple
