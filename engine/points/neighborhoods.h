@@ -25,6 +25,19 @@ struct Neighborhoods {
 Neighborhoods buildNeighborhoods(const std::vector<vec3>& positions, std::size_t k,
                                  Monitor& monitor, bool portable = false);
 
+// For each point the points that have it among their k nearest, flat, ascending. In a scan of
+// uneven density this is not the same as its own neighbours: growth from dense into sparse needs
+// it.
+struct ReverseNeighborhoods {
+  std::vector<std::size_t> offset;  // n + 1
+  std::vector<Index> ids;           // n x k in all
+
+  std::span<const Index> of(std::size_t i) const {
+    return {ids.data() + offset[i], offset[i + 1] - offset[i]};
+  }
+};
+ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods);
+
 // Side of the square of surface that one point owns, local units: the mean over points of
 // r_k sqrt(pi / (k + 1/2)), r_k the distance to the k-th neighbour (methods: section 1.1).
 double meanSpacing(const Neighborhoods& neighborhoods);
