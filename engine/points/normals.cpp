@@ -4,13 +4,14 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <queue>
+#include <numeric>
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 2048;
 constexpr std::size_t kOrientNeighbours = 10;
+constexpr std::size_t kCostSteps = 4096;
 constexpr std::size_t kSmoothNeighbours = 16;
 
 vec3 planeNormal(const std::vector<vec3>& positions, std::size_t i, std::span<const Index> near) {
@@ -36,78 +37,89 @@ vec3 planeNormal(const std::vector<vec3>& positions, std::size_t i, std::span<co
   return length > 0.5f ? normal / length : vec3(0, 0, 1);
 }
 
-// Neighbours in both directions, so that the graph is undirected. Flat.
-struct Graph {
-  std::vector<std::size_t> offset;
-  std::vector<Index> to;
-};
-
-Graph symmetricGraph(const Neighborhoods& neighborhoods, std::size_t used) {
-  const std::size_t n = neighborhoods.size();
-  Graph graph;
-  graph.offset.assign(n + 1, 0);
-  for (std::size_t i = 0; i < n; ++i)
-    for (const Index j : neighborhoods.of(i).first(used))
-      ++graph.offset[i + 1], ++graph.offset[j + 1];
-  for (std::size_t i = 0; i < n; ++i) graph.offset[i + 1] += graph.offset[i];
-  graph.to.resize(graph.offset[n]);
-  std::vector<std::size_t> next(graph.offset.begin(), graph.offset.end() - 1);
-  for (std::size_t i = 0; i < n; ++i)
-    for (const Index j : neighborhoods.of(i).first(used)) {
-      graph.to[next[i]++] = j;
-      graph.to[next[j]++] = static_cast<Index>(i);
-    }
-  return graph;
-}
-
-struct Step {
-  float cost;
-  Index from, to;
-  bool operator>(const Step& other) const {
-    return std::tie(cost, to, from) > std::tie(other.cost, other.to, other.from);
+// Connected parts with, for every point, whether its normal has to turn to agree with its part's
+// root: a union-find that carries signs.
+class SignedParts {
+ public:
+  explicit SignedParts(std::size_t n) : parent_(n), turned_(n, 0) {
+    std::iota(parent_.begin(), parent_.end(), Index{0});
   }
-};
 
-// Walks one connected part from `root` in the order of a minimum spanning tree and turns every
-// normal to its tree parent's side. Returns the part's points.
-std::vector<Index> alignPart(const Graph& graph, Index root, std::vector<vec3>& normals,
-                             std::vector<std::uint8_t>& visited, Monitor& monitor) {
-  std::priority_queue<Step, std::vector<Step>, std::greater<>> queue;
-  std::vector<Index> part;
-  auto visit = [&](Index i) {
-    visited[i] = 1;
-    part.push_back(i);
-    if (part.size() % 4096 == 0) monitor.advance(4096);
-    for (std::size_t e = graph.offset[i]; e < graph.offset[i + 1]; ++e) {
-      const Index j = graph.to[e];
-      if (!visited[j]) queue.push({1 - std::abs(glm::dot(normals[i], normals[j])), i, j});
-    }
+  struct Root {
+    Index id;
+    std::uint8_t turned;
   };
-  visit(root);
-  while (!queue.empty()) {
-    const Step step = queue.top();
-    queue.pop();
-    if (visited[step.to]) continue;
-    if (glm::dot(normals[step.from], normals[step.to]) < 0) normals[step.to] = -normals[step.to];
-    visit(step.to);
+  Root find(Index i) {
+    Index root = i;
+    std::uint8_t sign = 0;
+    while (parent_[root] != root) sign ^= turned_[root], root = parent_[root];
+    for (std::uint8_t left = sign; parent_[i] != root && i != root;) {  // shorten the path
+      const Index next = parent_[i];
+      const std::uint8_t own = turned_[i];
+      parent_[i] = root, turned_[i] = left;
+      left ^= own, i = next;
+    }
+    return {root, sign};
   }
-  return part;
+  // Joins the parts of i and j so that i and j differ by `turn`.
+  void join(Index i, Index j, std::uint8_t turn) {
+    const Root a = find(i), b = find(j);
+    if (a.id == b.id) return;
+    const Index low = std::min(a.id, b.id), high = std::max(a.id, b.id);
+    parent_[high] = low;
+    turned_[high] = a.turned ^ b.turned ^ turn;
+  }
+
+ private:
+  std::vector<Index> parent_;
+  std::vector<std::uint8_t> turned_;
+};
+
+struct Edge {
+  Index from, to;
+};
+
+// Edges of the neighbour graph, those between the most parallel normals first (Kruskal's order for
+// the minimum spanning tree; the cost is cut into steps so that a counting sort will do).
+std::vector<Edge> edgesByCost(const Neighborhoods& neighborhoods,
+                              const std::vector<vec3>& normals) {
+  const std::size_t n = neighborhoods.size(), used = std::min(kOrientNeighbours, neighborhoods.k);
+  std::vector<std::uint16_t> cost(n * used);
+  std::vector<std::size_t> offset(kCostSteps + 1, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < used; ++j) {
+      const float apart =
+          1 - std::abs(glm::dot(normals[i], normals[neighborhoods.ids[i * neighborhoods.k + j]]));
+      const float step = std::clamp(apart, 0.f, 1.f) * static_cast<float>(kCostSteps - 1);
+      cost[i * used + j] = static_cast<std::uint16_t>(step);
+      ++offset[cost[i * used + j] + 1];
+    }
+  for (std::size_t c = 0; c < kCostSteps; ++c) offset[c + 1] += offset[c];
+  std::vector<Edge> edges(n * used);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < used; ++j)
+      edges[offset[cost[i * used + j]]++] = {static_cast<Index>(i),
+                                             neighborhoods.ids[i * neighborhoods.k + j]};
+  return edges;
 }
 
-// Where a part reaches furthest along an axis its surface faces that way. All six extremes vote,
-// weighted by how squarely they face.
-bool facesInward(const std::vector<vec3>& positions, const std::vector<vec3>& normals,
-                 const std::vector<Index>& part) {
-  float vote = 0;
+// Where a part reaches furthest along an axis its surface faces that way. All six extremes of each
+// part vote, weighted by how squarely they face: the part's root says "turn" below 0.
+std::vector<float> outwardVotes(const std::vector<vec3>& positions,
+                                const std::vector<vec3>& normals, const std::vector<Index>& root) {
+  const std::size_t n = positions.size();
+  std::vector<float> votes(n, 0);
   for (int axis = 0; axis < 3; ++axis) {
-    Index low = part[0], high = part[0];
-    for (const Index i : part) {
-      if (positions[i][axis] < positions[low][axis]) low = i;
-      if (positions[i][axis] > positions[high][axis]) high = i;
+    std::vector<Index> low(root), high(root);
+    for (std::size_t i = 0; i < n; ++i) {
+      Index &least = low[root[i]], &most = high[root[i]];
+      if (positions[i][axis] < positions[least][axis]) least = static_cast<Index>(i);
+      if (positions[i][axis] > positions[most][axis]) most = static_cast<Index>(i);
     }
-    vote += normals[high][axis] - normals[low][axis];
+    for (std::size_t i = 0; i < n; ++i)
+      if (root[i] == i) votes[i] += normals[high[i]][axis] - normals[low[i]][axis];
   }
-  return vote < 0;
+  return votes;
 }
 
 }  // namespace
@@ -126,15 +138,23 @@ std::vector<vec3> estimateNormals(const std::vector<vec3>& positions,
 
 void orientNormals(const std::vector<vec3>& positions, const Neighborhoods& neighborhoods,
                    std::vector<vec3>& normals, Monitor& monitor) {
-  const Graph graph = symmetricGraph(neighborhoods, std::min(kOrientNeighbours, neighborhoods.k));
-  std::vector<std::uint8_t> visited(positions.size(), 0);
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (visited[i]) continue;
-    const std::vector<Index> part =
-        alignPart(graph, static_cast<Index>(i), normals, visited, monitor);
-    if (facesInward(positions, normals, part))
-      for (const Index j : part) normals[j] = -normals[j];
+  const std::size_t n = positions.size();
+  monitor.checkpoint();
+  SignedParts parts(n);
+  std::size_t done = 0;
+  for (const Edge& edge : edgesByCost(neighborhoods, normals)) {
+    parts.join(edge.from, edge.to, glm::dot(normals[edge.from], normals[edge.to]) < 0 ? 1 : 0);
+    if (++done % 65536 == 0) monitor.checkpoint();
   }
+  std::vector<Index> root(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const SignedParts::Root found = parts.find(static_cast<Index>(i));
+    root[i] = found.id;
+    if (found.turned) normals[i] = -normals[i];
+  }
+  const std::vector<float> votes = outwardVotes(positions, normals, root);
+  for (std::size_t i = 0; i < n; ++i)
+    if (votes[root[i]] < 0) normals[i] = -normals[i];
 }
 
 // The plane's normal is the mean of the neighbours' normals, not a fit of its own: as steady (45

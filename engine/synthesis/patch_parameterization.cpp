@@ -1,10 +1,6 @@
 // [Zhang] Fast Hybrid Approach for Texturing Point Models, section 3: point parameterization.
 //
-// Departures:
-// - Appendix A is used as corrected in tangent_transfer.h.
-// - Weights are u / max(L, u/1000): distances in swatch pixels, so that the un-normalised maximum
-// in
-//   D_pos is dimensionless, and the same shape has the same D in millimetres and in metres.
+// Departures (those of Appendix A are in chart_fit.cpp):
 // - "Lies next to another patch" is read as: a patch point of another patch is among the k nearest.
 //   Only this reading gives the paper's gap width.
 // - Positions are moved to the tangent planes of their neighbourhoods first: noise of half a
@@ -17,72 +13,18 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 #include "base/bucket_queue.h"
 #include "base/errors.h"
 #include "base/hash_rng.h"
 #include "points/normals.h"
-#include "synthesis/tangent_transfer.h"
+#include "synthesis/chart_fit.h"
 
 namespace dapple {
 namespace {
 
-constexpr float kPositionWeight = 2, kOrientationWeight = 3;  // of D
-constexpr std::size_t kCheckpointEvery = 512;                 // points
+constexpr std::size_t kCheckpointEvery = 512;  // points
 enum HashStream : std::uint64_t { kSeedOrder = 101, kPlacement = 102 };
-
-// What one patch point says about a neighbour.
-struct Contribution {
-  vec2 q;
-  vec3 n, t;
-  float weight;
-  Index patch;
-};
-
-struct Flattened {
-  vec2 q{0};
-  TangentFrame frame;
-  float distortion = 0;
-};
-
-// Step 4: the contribution of patch point P, flattened at qP, to a point `step` away.
-std::optional<Contribution> contribute(const TangentFrame& frame, vec2 qP, const vec3& step,
-                                       float unit) {
-  const float length = glm::length(step);
-  const float weight = unit / std::max(length, unit * 1e-3f);
-  if (!(length > 0)) return Contribution{qP, frame.n, frame.t, weight, kNone};  // a twin of P
-  const Transfer transfer = transferAcross(frame, step, length);
-  if (!transfer.valid) return std::nullopt;
-  return Contribution{qP + transfer.offset / unit, transfer.n, transfer.t, weight, kNone};
-}
-
-// Steps 5 and 6: the weighted mean of all contributions, and how much they disagree.
-Flattened average(const std::vector<Contribution>& contributions) {
-  vec2 q(0);
-  vec3 n(0), t(0);
-  float weights = 0;
-  for (const Contribution& c : contributions) {
-    q += c.weight * c.q;
-    n += c.weight * c.n;
-    t += c.weight * c.t;
-    weights += c.weight;
-  }
-  Flattened out{.q = q / weights, .frame = orthonormalFrame(n, t)};
-  float positionSum = 0, positionMost = 0, orientationSum = 0, orientationMost = 0;
-  for (const Contribution& c : contributions) {
-    const float apart = c.weight * glm::length(c.q - out.q);
-    const vec3 s = glm::cross(c.t, c.n);
-    const float turned = c.weight * (2 - glm::dot(s, out.frame.s) - glm::dot(c.t, out.frame.t));
-    positionSum += apart;
-    orientationSum += turned;
-    positionMost = std::max(positionMost, apart);
-    orientationMost = std::max(orientationMost, turned);
-  }
-  out.distortion = kOrientationWeight * (orientationSum / weights + orientationMost) +
-                   kPositionWeight * (positionSum / weights + positionMost);
-  return out;
-}
 
 // Where the patch that grows may lie in the swatch.
 class PatchRoom {
@@ -157,6 +99,14 @@ class PatchRoom {
   vec2 limit_, offset_{0}, low_{0}, high_{0};
 };
 
+// Every point as a chart sees it, on no patch yet, at its smoothed or own position.
+std::vector<ChartSite> chartSites(const PointSet& points, const std::vector<vec3>& positions) {
+  std::vector<ChartSite> sites(points.size());
+  for (std::size_t i = 0; i < sites.size(); ++i)
+    sites[i].position = positions[i], sites[i].normal = points.normals[i];
+  return sites;
+}
+
 class Grower {
  public:
   Grower(const SynthesisInput& input, const PatchOptions& options, SourceMap& map, Monitor& monitor)
@@ -165,29 +115,28 @@ class Grower {
         map_(map),
         monitor_(monitor),
         reverse_(reverseNeighborhoods(input.neighborhoods)),
+        sites_(chartSites(input.points,
+                          options.smooth
+                              ? smoothedPositions(input.points, input.neighborhoods, monitor)
+                              : input.points.positions)),
         room_(input.swatch, options.sizeLimit),
-        queue_(input.neighborhoods.k) {
+        queue_(input.neighborhoods.k),
+        fit_(input.neighborhoods.k, input.unit) {
     const std::size_t n = input.points.size();
-    if (options.smooth) smoothed_ = smoothedPositions(input.points, input.neighborhoods, monitor);
     map_.domain.assign(n, vec2(0));
     key_.assign(n, 0);
     refusedBy_.assign(n, kNone);
-    contributions_.reserve(input.neighborhoods.k);
   }
 
   PatchStatistics run() {
     for (const Index start : seedOrder())
       if (map_.state[start] == PointState::Free) growFrom(start);
-    if (statistics_.patches > 0)
-      statistics_.meanDistortion = distortionSum_ / static_cast<double>(decidedPatch_);
+    if (!grown_.empty())
+      statistics_.meanDistortion = distortionSum_ / static_cast<double>(grown_.size());
     return statistics_;
   }
 
  private:
-  const std::vector<vec3>& positions() const {
-    return options_.smooth ? smoothed_ : input_.points.positions;
-  }
-
   std::vector<Index> seedOrder() const {
     std::vector<Index> order(input_.points.size());
     std::iota(order.begin(), order.end(), Index{0});
@@ -196,14 +145,15 @@ class Grower {
     return order;
   }
 
+  bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
+
   void growFrom(Index start) {
     const Index patch = static_cast<Index>(statistics_.patches);
     if (touchesPatch(start)) return markGap(start);
     ++statistics_.patches;
     room_.open(options_.seed, patch);
     const std::size_t first = grown_.size();
-    const vec3 n = input_.points.normals[start];
-    accept(start, patch, Flattened{.frame = orthonormalFrame(n, input_.frames[start].t)});
+    accept(start, patch, {.frame = orthonormalFrame(sites_[start].normal, input_.frames[start].t)});
     for (BucketQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop())
       if (map_.state[next.id] == PointState::Free && key_[next.id] == next.key &&
           refusedBy_[next.id] != patch)
@@ -213,47 +163,44 @@ class Grower {
 
   bool touchesPatch(Index i) const {
     for (const Index j : input_.neighborhoods.of(i))
-      if (map_.state[j] == PointState::Patch &&
-          glm::dot(input_.points.normals[i], input_.points.normals[j]) > 0)
-        return true;
+      if (sites_[j].patch != kNone && sameSide(i, j)) return true;
     return false;
   }
 
-  // Step 3: contributors from this patch only, else a gap. Steps 4 to 7.
+  // Step 3: contributors from this patch only, else a gap. Then steps 4 to 7.
   void decide(Index i, Index patch) {
-    contributions_.clear();
-    const vec3 normal = input_.points.normals[i], position = positions()[i];
+    fit_.begin(sites_[i].position);
     for (const Index j : input_.neighborhoods.of(i)) {
-      if (map_.state[j] != PointState::Patch) continue;
-      if (!(glm::dot(normal, input_.points.normals[j]) > 0)) continue;
-      if (map_.patch[j] != patch) return markGap(i);
-      const auto c =
-          contribute(map_.frame[j], map_.domain[j], position - positions()[j], input_.unit);
-      if (c) contributions_.push_back(*c);
+      if (sites_[j].patch == kNone || !sameSide(i, j)) continue;
+      if (sites_[j].patch != patch) return markGap(i);
+      fit_.add(sites_[j]);
     }
+    fit_.finish();
     // Reached only from the side or across a thin sheet: left for another patch.
-    if (contributions_.empty()) return;
-    const Flattened flat = average(contributions_);
-    if (!(flat.distortion <= options_.distortion)) return markGap(i);  // NaN is a gap too
-    if (!room_.take(flat.q)) {
+    if (fit_.size() == 0) return;
+    const ChartPoint fitted = fit_.average();
+    if (!(fitted.distortion <= options_.distortion)) return markGap(i);  // NaN is a gap too
+    if (room_.take(fitted.q))
+      accept(i, patch, fitted);
+    else
       refusedBy_[i] = patch;
-      return;
-    }
-    accept(i, patch, flat);
   }
 
-  void accept(Index i, Index patch, const Flattened& flat) {
+  void accept(Index i, Index patch, const ChartPoint& fitted) {
+    sites_[i].patch = patch;
+    sites_[i].q = fitted.q;
+    sites_[i].n = fitted.frame.n;
+    sites_[i].t = fitted.frame.t;
     map_.state[i] = PointState::Patch;
     map_.patch[i] = patch;
-    map_.domain[i] = flat.q;
-    map_.frame[i] = flat.frame;
-    map_.error[i] = flat.distortion;
+    map_.domain[i] = fitted.q;
+    map_.frame[i] = fitted.frame;
+    map_.error[i] = fitted.distortion;
     map_.order[i] = static_cast<Index>(decided_);
     grown_.push_back(i);
-    distortionSum_ += flat.distortion;
-    ++decidedPatch_;
+    distortionSum_ += fitted.distortion;
     statistics_.maxDistortion =
-        std::max(statistics_.maxDistortion, static_cast<double>(flat.distortion));
+        std::max(statistics_.maxDistortion, static_cast<double>(fitted.distortion));
     for (const Index j : reverse_.of(i)) {
       ++key_[j];
       if (map_.state[j] == PointState::Free && refusedBy_[j] != patch) queue_.push(key_[j], j);
@@ -288,14 +235,14 @@ class Grower {
   SourceMap& map_;
   Monitor& monitor_;
   const ReverseNeighborhoods reverse_;
-  std::vector<vec3> smoothed_;
+  std::vector<ChartSite> sites_;
   PatchRoom room_;
   BucketQueue queue_;
+  ChartFit fit_;
   std::vector<Index> key_;        // patch points, of any patch, among the k nearest
   std::vector<Index> refusedBy_;  // the last patch that had no room for the point
   std::vector<Index> grown_;      // patch points, patch after patch
-  std::vector<Contribution> contributions_;
-  std::size_t decided_ = 0, decidedPatch_ = 0;
+  std::size_t decided_ = 0;
   double distortionSum_ = 0;
   PatchStatistics statistics_;
 };
@@ -305,11 +252,22 @@ class Grower {
 class GapBlender {
  public:
   GapBlender(const SynthesisInput& input, SourceMap& map, Monitor& monitor)
-      : input_(input), map_(map), monitor_(monitor), queue_(input.neighborhoods.k) {}
+      : input_(input),
+        map_(map),
+        monitor_(monitor),
+        sites_(chartSites(input.points, input.points.positions)),
+        queue_(input.neighborhoods.k),
+        fit_(input.neighborhoods.k, input.unit) {
+    for (std::size_t i = 0; i < sites_.size(); ++i)
+      if (map.state[i] == PointState::Patch)
+        sites_[i].q = map.domain[i], sites_[i].n = map.frame[i].n, sites_[i].t = map.frame[i].t,
+        sites_[i].patch = map.patch[i];
+  }
 
   void run() {
     const std::size_t n = input_.points.size();
-    terms_.resize(n);
+    first_.assign(n, 0);
+    count_.assign(n, 0);
     key_.assign(n, 0);
     for (std::size_t i = 0; i < n; ++i) {
       if (map_.state[i] != PointState::Gap) continue;
@@ -317,13 +275,15 @@ class GapBlender {
       queue_.push(key_[i], static_cast<Index>(i));
     }
     std::size_t done = 0;
-    const ReverseNeighborhoods reverse = reverseNeighborhoods(input_.neighborhoods);
     for (BucketQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
       if (coloured(next.id) || key_[next.id] != next.key) continue;
       blend(next.id);
-      for (const Index j : reverse.of(next.id)) {
+      // Gap points that have this one among their k nearest: a list of their own neighbours would
+      // do in an even scan; here gaps are few, so that looking both ways is cheap enough.
+      for (const Index j : input_.neighborhoods.of(next.id)) {
+        if (coloured(j)) continue;
         ++key_[j];
-        if (!coloured(j)) queue_.push(key_[j], j);
+        queue_.push(key_[j], j);
       }
       if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
     }
@@ -331,69 +291,78 @@ class GapBlender {
   }
 
  private:
-  bool coloured(Index i) const { return map_.patch[i] != kNone; }
+  bool coloured(Index i) const { return sites_[i].patch != kNone; }
 
   void blend(Index i) {
     gather(i);
-    if (contributions_.empty()) return;
+    if (fit_.size() == 0) return;
     float weights = 0;
-    for (const Contribution& c : contributions_) weights += c.weight;
+    for (std::size_t c = 0; c < fit_.size(); ++c) weights += fit_.weight(c);
+    first_[i] = static_cast<Index>(terms_.size());
+    count_[i] = static_cast<Index>(fit_.size());
+    for (std::size_t c = 0; c < fit_.size(); ++c)
+      terms_.push_back({wrapTexel(input_.swatch, fit_.q(c) + map_.placement[fit_.patch(c)]),
+                        fit_.patch(c), fit_.weight(c) / weights});
     const Index dominant = dominantPatch();
-    for (const Contribution& c : contributions_)
-      terms_[i].push_back(
-          {wrapTexel(input_.swatch, c.q + map_.placement[c.patch]), c.patch, c.weight / weights});
-    std::erase_if(contributions_, [&](const Contribution& c) { return c.patch != dominant; });
-    const Flattened flat = average(contributions_);
-    map_.domain[i] = flat.q;
-    map_.texel[i] = wrapTexel(input_.swatch, flat.q + map_.placement[dominant]);
-    map_.frame[i] = flat.frame;
+    fit_.keepPatch(dominant);
+    const ChartPoint fitted = fit_.average();
+    sites_[i].patch = dominant;
+    sites_[i].q = fitted.q, sites_[i].n = fitted.frame.n, sites_[i].t = fitted.frame.t;
+    map_.domain[i] = fitted.q;
+    map_.texel[i] = wrapTexel(input_.swatch, fitted.q + map_.placement[dominant]);
+    map_.frame[i] = fitted.frame;
     map_.patch[i] = dominant;
-    map_.error[i] = flat.distortion;
+    map_.error[i] = fitted.distortion;
   }
 
   void gather(Index i) {
-    contributions_.clear();
-    const vec3 normal = input_.points.normals[i], position = input_.points.positions[i];
+    fit_.begin(sites_[i].position);
+    for (const Index j : input_.neighborhoods.of(i))
+      if (coloured(j) && glm::dot(sites_[i].normal, sites_[j].normal) > 0) fit_.add(sites_[j]);
+    fit_.finish();
+    if (fit_.size() > 0) return;
+    // Everything around is too steep or faces away: better a neighbour's texel than no colour.
     for (const Index j : input_.neighborhoods.of(i)) {
-      if (!coloured(j) || !(glm::dot(normal, input_.points.normals[j]) > 0)) continue;
-      auto c = contribute(map_.frame[j], map_.domain[j], position - input_.points.positions[j],
-                          input_.unit);
-      // Too steep to carry anything: better the neighbour's own texel than no colour at all.
-      if (!c) c = Contribution{map_.domain[j], map_.frame[j].n, map_.frame[j].t, 1e-3f, kNone};
-      c->patch = map_.patch[j];
-      contributions_.push_back(*c);
+      if (!coloured(j)) continue;
+      fit_.begin(sites_[j].position);
+      fit_.add(sites_[j]);
+      fit_.finish();
+      return;
     }
   }
 
   Index dominantPatch() const {
     Index best = kNone;
     float most = -1;
-    for (const Contribution& c : contributions_) {
+    for (std::size_t c = 0; c < fit_.size(); ++c) {
       float sum = 0;
-      for (const Contribution& other : contributions_)
-        if (other.patch == c.patch) sum += other.weight;
-      if (sum > most || (sum == most && c.patch < best)) most = sum, best = c.patch;
+      for (std::size_t other = 0; other < fit_.size(); ++other)
+        if (fit_.patch(other) == fit_.patch(c)) sum += fit_.weight(other);
+      if (sum > most || (sum == most && fit_.patch(c) < best)) most = sum, best = fit_.patch(c);
     }
     return best;
   }
 
+  // Terms were met in the queue's order; the map has them by point.
   void writeTerms() {
     map_.blendOffset.assign(1, 0);
     map_.blend.clear();
-    for (std::size_t i = 0; i < terms_.size(); ++i) {
-      map_.blend.insert(map_.blend.end(), terms_[i].begin(), terms_[i].end());
+    map_.blend.reserve(terms_.size());
+    for (std::size_t i = 0; i < count_.size(); ++i) {
+      for (Index c = 0; c < count_[i]; ++c) map_.blend.push_back(terms_[first_[i] + c]);
       map_.blendOffset.push_back(static_cast<Index>(map_.blend.size()));
-      if (!terms_[i].empty()) map_.colour[i] = mappedColour(map_, input_.swatch, i);
+      if (count_[i] > 0) map_.colour[i] = mappedColour(map_, input_.swatch, i);
     }
   }
 
   const SynthesisInput& input_;
   SourceMap& map_;
   Monitor& monitor_;
+  std::vector<ChartSite> sites_;
   BucketQueue queue_;
-  std::vector<Index> key_;
-  std::vector<Contribution> contributions_;
-  std::vector<std::vector<BlendTerm>> terms_;
+  ChartFit fit_;
+  std::vector<Index> key_, first_, count_;
+  std::vector<BlendTerm> terms_;
 };
 
 void validate(const PatchOptions& options) {

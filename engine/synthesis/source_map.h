@@ -27,7 +27,9 @@ struct SourceMap {
   std::vector<Index> patch;        // patch or cluster id, kNone when none
   std::vector<float> error;        // what the method minimised (distortion, matching error)
   std::vector<Index> order;        // rank in which the point was decided, kNone when never
-  std::vector<vec2> domain;        // patches: position in the patch's flattened domain, pixels
+  std::vector<vec2> domain;        // patches: position in the patch's flattened domain, pixels,
+                                   // never wrapped: texel = domain + placement[patch], wrapped
+  std::vector<vec2> placement;     // a patch each: where its domain's 0 lies in the swatch
   std::vector<Index> blendOffset;  // n + 1 offsets into blend, or empty
   std::vector<BlendTerm> blend;
 };

@@ -1,0 +1,69 @@
+// Flattens one point from its flattened neighbours: [Zhang] section 3.2 and Appendix A for all
+// contributing neighbours at once. Growth, gap blending and patch expansion all go through here.
+#pragma once
+
+#include <vector>
+
+#include "points/point_set.h"
+#include "synthesis/synthesis_input.h"
+
+namespace dapple {
+
+// One point of a chart, on one cache line: growth reads about twenty of these for each it writes.
+struct alignas(64) ChartSite {
+  vec3 position{0};  // as flattened (smoothed or not), local units
+  vec3 normal{0};    // the scan's
+  vec3 n{0}, t{0};   // the chart's axes, carried along; s = t x n
+  vec2 q{0};         // flattened position, swatch pixels, y down
+  Index patch = kNone;
+};
+
+// A point as its contributors place it.
+struct ChartPoint {
+  vec2 q{0};
+  TangentFrame frame;
+  float distortion = 0;  // D = 3 D_ori + 2 D_pos
+};
+
+// What neighbours say about where one point lies, as a structure of arrays so that the arithmetic
+// is done several neighbours at a time.
+class ChartFit {
+ public:
+  // For at most `capacity` contributors; `unit` local units are one swatch pixel.
+  ChartFit(std::size_t capacity, float unit);
+
+  // Starts the fit of a point at `position`.
+  void begin(const vec3& position);
+  void add(const ChartSite& neighbour);  // a contributor
+  void finish();                         // computes what every contributor says; drops steep ones
+
+  std::size_t size() const { return count_; }
+  vec2 q(std::size_t c) const { return {qx_[c], qy_[c]}; }  // where contributor c places the point
+  Index patch(std::size_t c) const { return patch_[c]; }
+  float weight(std::size_t c) const { return weight_[c]; }
+
+  void keepPatch(Index patch);          // drops the contributors of other patches
+  void keepNear(vec2 q, float pixels);  // drops those that place the point further away
+  ChartPoint average() const;           // weighted mean and distortion; size() >= 1
+
+ private:
+  void moveTo(std::size_t from, std::size_t to);
+  template <class Keep>
+  void filter(Keep keep);
+
+  float unit_;
+  vec3 position_{0};
+  std::size_t count_ = 0;
+  std::vector<Index> patch_;
+  std::vector<float> dx_, dy_, dz_;                 // step from the contributor to the point
+  std::vector<float> nx_, ny_, nz_, tx_, ty_, tz_;  // its axes, then carried to the point
+  std::vector<float> qx_, qy_;                      // its position, then the point's
+  std::vector<float> weight_;
+  mutable std::vector<float> apart_, turned_;  // average()'s own
+};
+
+// Right-handed orthonormal axes, n exactly along the given one, t as near to the given one as can
+// be; any t when that is along n.
+TangentFrame orthonormalFrame(const vec3& n, const vec3& t);
+
+}  // namespace dapple
