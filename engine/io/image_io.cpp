@@ -1,0 +1,2 @@
+#include "io/image_io.h"
+namespace dapple {}
