@@ -29,11 +29,13 @@ struct Scan {
   std::vector<std::size_t> record;  // n: the record of each point
   std::vector<Index> pointOf;       // N: the point of each record; a duplicate's is its twin's,
                                     // a non-finite record's is kNone
-  std::size_t duplicates = 0;       // records with exactly the position of an earlier one
+  std::size_t duplicates = 0;       // records with the position of an earlier one, once in local
+                                    // coordinates (float: apart by less than 1e-7 of the extent)
   std::size_t nonFinite = 0;        // records with a NaN or infinite coordinate
 };
 
 // Reads PLY (ascii, little and big endian), OBJ or XYZ, by content first and extension second.
+// points.normals stays empty when the file has none for most points, also when it has a mesh.
 // Throws IoError, InvalidInput (no finite point; samples of something that is no mesh), Cancelled.
 Scan loadScan(const std::filesystem::path& path, const LoadOptions& options, Monitor& monitor);
 

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/types.h"
@@ -33,15 +34,20 @@ struct Element {
 };
 
 struct RecordTable {
-  std::vector<std::string> comments;
+  std::vector<std::string> comments;  // one line each, without the keyword
+  std::vector<std::string> objInfo;   // PLY's obj_info lines, likewise
   std::vector<Element> elements;
 
   const Element* find(std::string_view element) const;
   Element* find(std::string_view element);
 };
 
-// A new column of floats or bytes for `element`; replaces one of the same name in place.
+// The values [begin, begin + out.size()) of a column, converted.
+void readValues(const Property& property, std::size_t begin, std::span<double> out);
+
+// A new column of element.count values; replaces one of the same name in place.
 void setColumn(Element& element, std::string name, std::span<const float> values);
+void setColumn(Element& element, std::string name, std::span<const double> values);
 void setColumn(Element& element, std::string name, std::span<const std::uint8_t> values);
 void setColumn(Element& element, std::string name, std::span<const std::int32_t> values);
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "base/monitor.h"
 #include "base/types.h"
 
 namespace dapple {
@@ -28,7 +29,12 @@ struct TangentFrame {
   vec3 s{1, 0, 0}, t{0, 1, 0}, n{0, 0, 1};
 };
 
-// Ids of the points in Morton (Z-curve) order of a 2^21 grid over their bounds; ties by id.
+// The cell of each point (n) along the Morton (Z) curve of a grid of 2^21 cubes a side over their
+// bounds. Positions are finite.
+std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions);
+
+// Ids of the points in the order of their Morton codes; ties by id. The second form can be stopped.
 std::vector<Index> mortonOrder(const std::vector<vec3>& positions);
+std::vector<Index> mortonOrder(const std::vector<vec3>& positions, Monitor& monitor);
 
 }  // namespace dapple

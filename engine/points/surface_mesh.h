@@ -21,8 +21,8 @@ struct SurfaceSamples {
 };
 
 // `count` points spread evenly by area over the triangles, deterministic for a seed: stratified by
-// area along the triangle list, uniform inside each triangle. Throws InvalidInput if no triangle
-// has an area.
+// area along the triangle list (each triangle gets its share, rounded up or down), uniform inside
+// each triangle. Throws InvalidInput if no triangle has an area.
 SurfaceSamples sampleMesh(const std::vector<dvec3>& positions, const SurfaceMesh& mesh,
                           std::size_t count, std::uint64_t seed);
 

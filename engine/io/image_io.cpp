@@ -1,0 +1,166 @@
+#include "io/image_io.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "base/errors.h"
+#include "io/output_file.h"
+
+namespace dapple {
+namespace {
+
+constexpr int kLargestSide = 16384;
+// A small file that claims to unpack to more than this must stay within the best ratio that the
+// usual packings reach (deflate 1032, LZW 2730), before memory is taken for it.
+constexpr std::uint64_t kTrustedBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kBestRatio = 4096;
+constexpr const char* kKnown = "Use a PNG, JPEG or TIFF image.";
+
+struct Opened {
+  std::unique_ptr<OIIO::ImageInput> input;
+  std::uint64_t fileBytes = 0;
+};
+
+std::string extensionOf(const std::filesystem::path& path) {
+  std::string text = path.extension().string();
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text.empty() ? text : text.substr(1);
+}
+
+std::string firstLine(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+Opened openImage(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status))
+    throw IoError(path.string(), "", "there is no such file", "Check the name and the folder.");
+  if (!fs::is_regular_file(status))
+    throw IoError(path.string(), "", "this is no file, but a folder or a device",
+                  "Name an image file.");
+  Opened opened{.fileBytes = fs::file_size(path, error)};
+  if (error || opened.fileBytes == 0)
+    throw IoError(path.string(), "", "the file is empty", "Export or copy it again.");
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  opened.input = OIIO::ImageInput::open(path.string(), &config);
+  if (opened.input) return opened;
+  const std::string reason = OIIO::geterror();  // also clears it
+  throw IoError(path.string(), "", "this is not an image that can be read: " + firstLine(reason),
+                kKnown);
+}
+
+// Ink colours come as four channels, too, or already turned to RGB by a guess at the inks.
+bool isCmyk(const OIIO::ImageSpec& spec) {
+  for (const char* key : {"oiio:ColorSpace", "tiff:ColorSpace", "jpeg:ColorSpace"})
+    if (spec.get_string_attribute(key) == "CMYK") return true;
+  return spec.nchannels >= 4 && spec.channelnames.size() >= 4 && spec.channelnames[0] == "C" &&
+         spec.channelnames[3] == "K";
+}
+
+void checkSpec(const OIIO::ImageSpec& spec, const std::string& path, std::uint64_t fileBytes) {
+  if (isCmyk(spec))
+    throw IoError(path, "", "the image is in printing inks (CMYK)", "Convert it to RGB.");
+  if (spec.nchannels < 1 || spec.nchannels > 4 || spec.deep)
+    throw IoError(path, "", fmt::format("the image has {} channels", spec.nchannels),
+                  "Save it as grey, RGB or RGBA.");
+  if (spec.depth > 1) throw IoError(path, "", "this is a volume, not an image", kKnown);
+  if (spec.width < 1 || spec.height < 1 || spec.width > kLargestSide || spec.height > kLargestSide)
+    throw IoError(path, "", fmt::format("the image has {} x {} pixels", spec.width, spec.height),
+                  fmt::format("1 to {} a side are possible.", kLargestSide));
+  const std::uint64_t bytes = spec.image_bytes(true);
+  if (bytes > kTrustedBytes && bytes / kBestRatio > fileBytes)
+    throw IoError(path, "",
+                  fmt::format("the image claims {} x {} pixels, but the file has {} bytes only",
+                              spec.width, spec.height, fileBytes),
+                  "It is damaged. Export it again.");
+}
+
+// Turns the picture as the camera was held: the eight values of EXIF's Orientation tag.
+Image upright(Image image, int orientation) {
+  if (orientation <= 1 || orientation > 8) return image;
+  const bool swapped = orientation >= 5;
+  Image out{.width = swapped ? image.height : image.width,
+            .height = swapped ? image.width : image.height,
+            .channels = image.channels};
+  out.pixels.resize(image.pixels.size());
+  const int right = image.width - 1, bottom = image.height - 1;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      // Where pixel (x, y) of the upright picture is stored, by orientation - 1.
+      const std::array<std::array<int, 2>, 8> from = {{{x, y},
+                                                       {right - x, y},
+                                                       {right - x, bottom - y},
+                                                       {x, bottom - y},
+                                                       {y, x},
+                                                       {y, bottom - x},
+                                                       {right - y, bottom - x},
+                                                       {right - y, x}}};
+      const auto [fromX, fromY] = from[static_cast<std::size_t>(orientation - 1)];
+      for (int c = 0; c < image.channels; ++c) out.at(x, y, c) = image.at(fromX, fromY, c);
+    }
+  return out;
+}
+
+OIIO::TypeDesc pixelType(const std::string& extension, bool sixteenBit) {
+  if (extension == "exr" || extension == "hdr") return OIIO::TypeDesc::FLOAT;
+  const bool canSixteen = extension == "png" || extension == "tif" || extension == "tiff";
+  return sixteenBit && canSixteen ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
+}
+
+}  // namespace
+
+Image readImage(const std::filesystem::path& path) {
+  const Opened opened = openImage(path);
+  const OIIO::ImageSpec spec = opened.input->spec();
+  checkSpec(spec, path.string(), opened.fileBytes);
+  Image image{.width = spec.width, .height = spec.height, .channels = spec.nchannels};
+  image.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
+                      static_cast<std::size_t>(spec.nchannels));
+  if (!opened.input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT,
+                                image.pixels.data()))
+    throw IoError(path.string(), "", "the image is damaged: " + firstLine(opened.input->geterror()),
+                  "Export or copy it again.");
+  for (float& value : image.pixels)
+    if (!std::isfinite(value)) value = 0;
+  return upright(std::move(image), spec.get_int_attribute("Orientation", 1));
+}
+
+void writeImage(const std::filesystem::path& path, const Image& image, bool sixteenBit) {
+  DAPPLE_CHECK(image.width, >, 0);
+  DAPPLE_CHECK(image.height, >, 0);
+  DAPPLE_CHECK(image.pixels.size(), ==,
+               static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+                   static_cast<std::size_t>(image.channels));
+  const std::string extension = extensionOf(path);
+  const auto output = extension.empty() ? nullptr : OIIO::ImageOutput::create(extension);
+  if (!output) {
+    OIIO::geterror();
+    throw IoError(path.string(), "",
+                  fmt::format("no image format has the extension \"{}\"", extension),
+                  "Use .png, .jpg or .tif.");
+  }
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, pixelType(extension, sixteenBit));
+  if (image.channels == 2 || image.channels == 4) spec.alpha_channel = image.channels - 1;
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  spec.attribute("CompressionQuality", 95);
+  OutputFile file(path, "." + extension);
+  const auto fail = [&] {
+    throw IoError(path.string(), "", "cannot be written: " + firstLine(output->geterror()),
+                  "Is the disk full? Save to another folder or in another format.");
+  };
+  if (!output->open(file.temporary().string(), spec)) fail();
+  if (!output->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data())) fail();
+  if (!output->close()) fail();
+  file.commit();
+}
+
+}  // namespace dapple

@@ -1,0 +1,14 @@
+// Wavefront OBJ: vertices, vertex normals and faces.
+#pragma once
+
+#include "io/input_file.h"
+#include "io/record_table.h"
+
+namespace dapple {
+
+// Element "vertex" (x y z as double; nx ny nz and red green blue as float when every vertex has
+// them), and "face" with vertex_indices when there are faces. Everything else in the file is left
+// out. Throws IoError, Cancelled.
+RecordTable readObj(InputFile& file, Monitor& monitor);
+
+}  // namespace dapple
