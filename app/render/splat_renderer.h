@@ -7,33 +7,42 @@
 #include <vector>
 
 #include "app/render/camera.h"
-#include "base/monitor.h"
+#include "base/types.h"
 #include "swatch/image.h"
 
 namespace dapple {
 
-// What is drawn: n elements a column, borrowed for the call of update() only.
+// What is drawn: n elements a column, borrowed for the call of update() only. Points that are
+// near each other in this order (Morton order) are drawn up to twice as fast.
 struct SplatColumns {
   const std::vector<vec3>& positions;
-  const std::vector<vec3>& normals;
+  const std::vector<vec3>& normals;  // either side counts as front; zero: faces the eye
   const std::vector<vec3>& colours;  // 0..1, drawn as they are
-  const std::vector<float>& radii;   // local units
+  const std::vector<float>& radii;   // local units, of the disc; 0: not drawn
 };
+
+// Radii that leave no hole and yet blur little, from the side of the square of surface that each
+// point owns (n, local units; points/neighborhoods.h: localSpacing).
+std::vector<float> splatRadii(const std::vector<float>& localSpacing);
 
 struct SplatOptions {
-  bool shading = false;  // headlight
-  glm::vec3 background{1.0f, 1.0f, 1.0f};
-  float lowPass = 1.0f;  // pixels: radius of the screen-space filter
+  bool shading = false;                    // headlight
+  glm::vec3 background{1.0f, 1.0f, 1.0f};  // 0..1
+  float lowPass = 1.0f;  // pixels, > 0: radius of the screen-space filter
+  int samples = 1;       // 1..4: a pixel is the mean of samples x samples, for smooth outlines
 };
 
-// Needs a current OpenGL 3.3 core context for its whole life.
+// Needs the current OpenGL 3.3 core context for its whole life.
 class SplatRenderer {
  public:
   SplatRenderer();
   ~SplatRenderer();
 
+  // Replaces what is drawn. Throws Bug when the columns differ in length.
   void update(const SplatColumns& columns);
-  // Draws w x h pixels into an image of its own and reads it back: RGBA.
+
+  // A picture of its own: w x h x 4, opaque, the same bytes at any number of GL threads. Throws
+  // InvalidInput unless 1 <= w, h <= 16384 and the options are in range.
   Image draw(const Camera& camera, int width, int height, const SplatOptions& options);
 
  private:

@@ -1,0 +1,135 @@
+#include "app/render/camera.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <span>
+
+#include "base/errors.h"
+
+namespace dapple {
+namespace {
+
+constexpr float kMargin = 0.04f;        // of the picture, at each side
+constexpr float kSmallestSize = 1e-4f;  // local units: a single point still gets a picture
+constexpr float kNearestPlane = 1e-3f;  // of the distance to the far plane
+
+struct NamedView {
+  std::string_view name;
+  vec3 back;  // from the target to the eye
+  vec3 up;
+};
+const NamedView kViews[] = {
+    {"front", {0, 0, 1}, {0, 1, 0}}, {"back", {0, 0, -1}, {0, 1, 0}},
+    {"left", {-1, 0, 0}, {0, 1, 0}}, {"right", {1, 0, 0}, {0, 1, 0}},
+    {"top", {0, 1, 0}, {0, 0, -1}},  {"iso", {1, 1, 1}, {0, 1, 0}},
+};
+
+const NamedView& viewNamed(std::string_view name) {
+  std::string names;
+  for (const NamedView& v : kViews) {
+    if (v.name == name) return v;
+    names += (names.empty() ? "" : ", ") + std::string(v.name);
+  }
+  throw InvalidInput(fmt::format("There is no view named '{}'; choose one of {}.", name, names));
+}
+
+std::vector<vec3> cornersOf(const Bounds& b) {
+  std::vector<vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back({i & 1 ? b.high.x : b.low.x, i & 2 ? b.high.y : b.low.y,
+                       i & 4 ? b.high.z : b.low.z});
+  return corners;
+}
+
+// Along one axis of the picture (x to the right, z towards the eye, k the frustum's slope) all
+// points are inside when k (ez - z) >= |x - ex|: ex + k ez >= a = max(x + k z) and
+// -ex + k ez >= b = max(-x + k z). The nearest such eye is ez = (a + b) / 2k, ex = (a - b) / 2.
+struct Fit {
+  float slope;
+  float a = -std::numeric_limits<float>::infinity(), b = a;
+
+  void add(float x, float z) {
+    a = std::max(a, x + slope * z);
+    b = std::max(b, -x + slope * z);
+  }
+  float distance() const { return (a + b) / (2 * slope); }
+  float shift() const { return (a - b) / 2; }
+};
+
+Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3> points,
+              float aspect) {
+  const vec3 back = glm::normalize(view.back);
+  const vec3 right = glm::normalize(glm::cross(view.up, back));
+  const vec3 up = glm::cross(back, right);
+  const vec3 centre = 0.5f * (bounds.low + bounds.high);
+
+  Camera camera;
+  const float slope = std::tan(0.5f * camera.verticalFov) * (1 - 2 * kMargin);
+  Fit across{slope * aspect}, upwards{slope};
+  float nearest = -std::numeric_limits<float>::infinity(), farthest = -nearest;
+  for (const vec3& p : points) {
+    const vec3 q{glm::dot(p - centre, right), glm::dot(p - centre, up),
+                 glm::dot(p - centre, back)};
+    across.add(q.x, q.z);
+    upwards.add(q.y, q.z);
+    nearest = std::max(nearest, q.z);
+    farthest = std::min(farthest, q.z);
+  }
+  const float distance =
+      std::max({across.distance(), upwards.distance(), nearest + kSmallestSize});
+  const vec3 axis = centre + across.shift() * right + upwards.shift() * up;
+  camera.eye = axis + distance * back;
+  camera.target = axis;
+  camera.up = up;
+  camera.nearPlane = 0.5f * (distance - nearest);
+  camera.farPlane = distance - farthest + 0.5f * (nearest - farthest) + camera.nearPlane;
+  return camera;
+}
+
+}  // namespace
+
+Bounds boundsOf(const std::vector<vec3>& positions) {
+  if (positions.empty()) return {};
+  Bounds b{positions[0], positions[0]};
+  for (const vec3& p : positions) {
+    b.low = glm::min(b.low, p);
+    b.high = glm::max(b.high, p);
+  }
+  return b;
+}
+
+Camera standardView(std::string_view name, const Bounds& bounds, float aspect) {
+  return fitted(viewNamed(name), bounds, cornersOf(bounds), aspect);
+}
+
+Camera standardView(std::string_view name, const std::vector<vec3>& positions, float aspect) {
+  if (positions.empty()) return standardView(name, Bounds{}, aspect);
+  return fitted(viewNamed(name), boundsOf(positions), positions, aspect);
+}
+
+Camera lookAt(vec3 eye, vec3 target, const Bounds& bounds) {
+  if (!(glm::distance(eye, target) > 0))
+    throw InvalidInput("The eye and the target are the same point; move one of them.");
+  const vec3 forward = glm::normalize(target - eye);
+  Camera camera{.eye = eye, .target = target};
+  if (std::abs(forward.y) > 0.9999f) camera.up = {0, 0, forward.y < 0 ? -1.f : 1.f};
+
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
+  for (const vec3& corner : cornersOf(bounds)) {
+    const float z = glm::dot(corner - eye, forward);
+    nearest = std::min(nearest, z);
+    farthest = std::max(farthest, z);
+  }
+  camera.farPlane = std::max(1.05f * farthest, glm::distance(eye, target));
+  camera.nearPlane = std::max(0.5f * nearest, kNearestPlane * camera.farPlane);
+  return camera;
+}
+
+glm::mat4 viewMatrix(const Camera& camera) {
+  return glm::lookAt(camera.eye, camera.target, camera.up);
+}
+
+}  // namespace dapple

@@ -1,0 +1,161 @@
+// Colours are laid out in CIE 1976 L*a*b* (as lightness, chroma, hue), where equal steps look equal.
+#include "app/render/views.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/errors.h"
+#include "base/hash_rng.h"
+
+namespace dapple {
+namespace {
+
+struct NamedView {
+  std::string_view name;
+  View view;
+};
+constexpr NamedView kViews[] = {
+    {"colour", View::Colour}, {"normals", View::Normals},       {"state", View::State},
+    {"patch", View::Patch},   {"distortion", View::Distortion}, {"error", View::Distortion},
+    {"order", View::Order},
+};
+
+constexpr vec3 kUnknown{0.6f, 0.6f, 0.6f};
+constexpr int kHeatSteps = 256;
+
+float decoded(float f) {  // the inverse of L*a*b*'s cube root with its straight piece
+  constexpr float kKnee = 6.0f / 29;
+  return f > kKnee ? f * f * f : 3 * kKnee * kKnee * (f - 4.0f / 29);
+}
+
+float gamma(float linear) {  // IEC 61966-2-1
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+// Linear sRGB of a lightness 0..100, a chroma and a hue in turns (white D65).
+vec3 linearFromLch(float lightness, float chroma, float turns) {
+  const float angle = 2 * std::numbers::pi_v<float> * turns;
+  const float fy = (lightness + 16) / 116;
+  const float x = 0.95047f * decoded(fy + chroma * std::cos(angle) / 500);
+  const float y = decoded(fy);
+  const float z = 1.08883f * decoded(fy - chroma * std::sin(angle) / 200);
+  return {3.2406f * x - 1.5372f * y - 0.4986f * z, -0.9689f * x + 1.8758f * y + 0.0415f * z,
+          0.0557f * x - 0.2040f * y + 1.0570f * z};
+}
+
+// As much of the chroma as the screen can show.
+vec3 fromLch(float lightness, float chroma, float turns) {
+  vec3 rgb = linearFromLch(lightness, chroma, turns);
+  for (float c = chroma; c > 0; c -= 1) {
+    rgb = linearFromLch(lightness, c, turns);
+    if (glm::all(glm::greaterThanEqual(rgb, vec3(0))) && glm::all(glm::lessThanEqual(rgb, vec3(1))))
+      break;
+  }
+  rgb = glm::clamp(rgb, vec3(0), vec3(1));
+  return {gamma(rgb.r), gamma(rgb.g), gamma(rgb.b)};
+}
+
+std::string namesOf() {
+  std::string names;
+  for (const NamedView& v : kViews) names += (names.empty() ? "" : ", ") + std::string(v.name);
+  return names;
+}
+
+template <typename T>
+std::span<const T> known(std::span<const T> column, std::string_view name) {
+  if (column.empty())
+    throw InvalidInput(fmt::format(
+        "There is nothing to show as '{}': these points have no such column. Show 'colour', or "
+        "give a scan that was textured with --source-map.",
+        name));
+  return column;
+}
+
+template <typename T, typename Map>
+std::vector<vec3> mapped(std::span<const T> column, const Map& map) {
+  std::vector<vec3> colours;
+  colours.reserve(column.size());
+  for (const T& value : column) colours.push_back(map(value));
+  return colours;
+}
+
+float heatValue(float value) { return value; }
+float heatValue(Index value) {
+  return value == kNone ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(value);
+}
+
+template <typename T>
+ViewColours heatMap(std::span<const T> column) {
+  HeatRange range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+  for (const T& element : column)
+    if (const float v = heatValue(element); std::isfinite(v)) {
+      range.low = std::min(range.low, v);
+      range.high = std::max(range.high, v);
+    }
+  if (range.low > range.high) return {std::vector<vec3>(column.size(), kUnknown), std::nullopt};
+
+  std::array<vec3, kHeatSteps> heat;
+  for (int i = 0; i < kHeatSteps; ++i) heat[i] = heatColour(i / (kHeatSteps - 1.0f));
+  const float width = range.high - range.low;
+  auto colour = [&](const T& element) {
+    const float v = heatValue(element);
+    if (!std::isfinite(v)) return kUnknown;
+    const float t = width > 0 ? (v - range.low) / width : 0;
+    return heat[static_cast<std::size_t>(t * (kHeatSteps - 1) + 0.5f)];
+  };
+  return {mapped(column, colour), range};
+}
+
+}  // namespace
+
+View viewNamed(std::string_view name) {
+  for (const NamedView& v : kViews)
+    if (v.name == name) return v.view;
+  throw InvalidInput(
+      fmt::format("There is nothing named '{}' to show; choose one of {}.", name, namesOf()));
+}
+
+vec3 stateColour(PointState state) {
+  switch (state) {
+    case PointState::Free: return kUnknown;
+    case PointState::Patch: return {0.10f, 0.40f, 0.75f};
+    case PointState::Gap: return {0.95f, 0.58f, 0.05f};
+    case PointState::Matched: return {0.10f, 0.65f, 0.45f};
+  }
+  return kUnknown;
+}
+
+vec3 patchColour(Index patch) {
+  if (patch == kNone) return kUnknown;
+  constexpr float kGoldenTurn = 0.618034f;  // successive multiples stay far apart on the circle
+  const float turns = std::fmod(static_cast<float>(patch % 10000) * kGoldenTurn, 1.0f);
+  const float lightness = 45 + 15 * static_cast<float>(hashBelow(4, 1, patch));
+  return fromLch(lightness, 60, turns);
+}
+
+vec3 heatColour(float t) {
+  const float u = t > 0 ? std::min(t, 1.0f) : 0.0f;
+  return fromLch(15 + 77 * u, 45 + 30 * u, 0.86f - 0.58f * u);
+}
+
+ViewColours viewColours(View view, const ViewColumns& columns) {
+  switch (view) {
+    case View::Colour:
+      return {mapped(known(columns.colours, "colour"), [](const vec3& c) { return c; }), {}};
+    case View::Normals:
+      return {mapped(known(columns.normals, "normals"),
+                     [](const vec3& n) { return 0.5f * n + vec3(0.5f); }),
+              {}};
+    case View::State: return {mapped(known(columns.state, "state"), stateColour), {}};
+    case View::Patch: return {mapped(known(columns.patch, "patch"), patchColour), {}};
+    case View::Distortion: return heatMap(known(columns.error, "distortion"));
+    case View::Order: return heatMap(known(columns.order, "order"));
+  }
+  throw Bug("no such view");
+}
+
+}  // namespace dapple

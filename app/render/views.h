@@ -1,0 +1,50 @@
+// What a picture of points can show: each view maps a column to colours.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/monitor.h"
+#include "base/types.h"
+
+namespace dapple {
+
+enum class View { Colour, Normals, State, Patch, Distortion, Order };
+
+// "colour", "normals", "state", "patch", "distortion" (or "error"), "order". Throws InvalidInput.
+View viewNamed(std::string_view name);
+
+// n elements a column, or none when it is not known (the columns of a SourceMap, borrowed).
+struct ViewColumns {
+  std::span<const vec3> colours;      // 0..1
+  std::span<const vec3> normals;      // unit length
+  std::span<const PointState> state;
+  std::span<const Index> patch;       // kNone: in no patch
+  std::span<const float> error;       // not finite: not known
+  std::span<const Index> order;       // kNone: never decided
+};
+
+// What the two ends of the heat map's colours stand for.
+struct HeatRange {
+  float low = 0, high = 0;
+};
+
+struct ViewColours {
+  std::vector<vec3> colours;        // n, 0..1
+  std::optional<HeatRange> legend;  // of a heat map: the smallest and largest value of the column
+};
+
+// The colours of a view. Throws InvalidInput when its column is empty.
+ViewColours viewColours(View view, const ViewColumns& columns);
+
+// free, patch, gap and matched: grey, blue, orange and green that the colour-blind can tell apart.
+vec3 stateColour(PointState state);
+// Neighbouring ids get very different hues; kNone is grey.
+vec3 patchColour(Index patch);
+// t in 0..1 (clamped): dark violet over green to light yellow, equal steps looking equal, and
+// always lighter, so that it also reads in grey.
+vec3 heatColour(float t);
+
+}  // namespace dapple

@@ -1,0 +1,54 @@
+// A fragment of a splat: where its ray meets the disc, how much it counts, how deep it lies.
+// VISIBILITY writes the depth alone, moved back; otherwise (colour * weight, weight) is added up.
+
+in Splat {
+  flat vec3 centre;
+  flat float radius;
+  flat vec3 normal;
+  flat float offset;
+  flat vec3 colour;
+  flat float reach;
+  flat vec2 pixel;
+}
+splat;
+
+uniform vec2 focal;
+uniform vec2 centrePixel;
+uniform vec2 tileOrigin;  // of the frame in the picture, pixels
+uniform vec2 depthRange;
+uniform float lowPass;
+
+#ifndef VISIBILITY
+layout(location = 0) out vec4 accumulated;
+#endif
+
+// The Gaussian's exponent at the disc's rim: with radii of 1.2 spacings its standard deviation is
+// half a spacing, which is about as narrow as it can be before the single points show.
+const float kFalloff = 2.9;
+const float kNever = 1e30;
+
+void main() {
+  vec2 pixel = gl_FragCoord.xy + tileOrigin;
+  vec3 ray = vec3((pixel - centrePixel) / focal, -1.0);
+  float centreDepth = -splat.centre.z;
+
+  float along = dot(splat.normal, ray);
+  float t = abs(along) > 1e-9 ? dot(splat.normal, splat.centre) / along : -1.0;
+  vec3 fromCentre = (t * ray - splat.centre) / splat.radius;
+  float inDisc = t > 0.0 ? dot(fromCentre, fromCentre) : kNever;
+  vec2 fromPixel = (pixel - splat.pixel) / lowPass;
+  float onScreen = dot(fromPixel, fromPixel);
+  float d = min(inDisc, onScreen);
+  if (!(d <= 1.0)) discard;
+
+  // Beyond the disc its plane says nothing: seen edge-on it would come far too near, and hide
+  // what belongs there (dark cracks).
+  float depth = t > 0.0 ? clamp(t, centreDepth - splat.reach, centreDepth + splat.reach)
+                        : centreDepth;
+#ifdef VISIBILITY
+  depth += splat.offset;
+#else
+  accumulated = vec4(splat.colour, 1.0) * exp(-kFalloff * d);
+#endif
+  gl_FragDepth = clamp((depth - depthRange.x) / (depthRange.y - depthRange.x), 0.0, 1.0);
+}

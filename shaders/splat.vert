@@ -1,0 +1,80 @@
+// One splat a vertex: into view space, its rectangle in the picture, and what its fragments share.
+// Pixels are those of the whole picture, lower left corner (0, 0); a frame may draw a tile of it.
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;  // (0, 0, 0): faces the eye
+layout(location = 2) in vec3 colour;
+layout(location = 3) in float radius;
+
+uniform mat4 localToView;  // rigid
+uniform vec2 focal;        // pixels
+uniform vec2 centrePixel;  // where the view axis meets the picture
+uniform vec4 viewport;     // lower left corner and size, pixels
+uniform vec2 depthRange;   // near, far
+uniform float lowPass;     // radius, pixels
+uniform bool headlight;
+
+out Splat {
+  flat vec3 centre;  // view space
+  flat float radius;
+  flat vec3 normal;  // view space
+  flat float offset;  // by which visibility lies deeper
+  flat vec3 colour;
+  flat float reach;  // how far the disc's depth may lie from its centre's
+  flat vec2 pixel;   // of the centre
+}
+splat;
+
+const float kDepthOffset = 1.0;  // radii
+const float kSteepest = 4.0;     // slope up to which a pixel's own depth is allowed for
+const float kAmbient = 0.25;
+
+const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
+
+// Centre and half size of the rectangle round the disc, pixels. Seen along x (y likewise), the
+// plane through the eye and the picture's column s = s0 + d, where s0 is the centre's, touches the
+// disc when (d c.z)^2 = r^2 |m - n (n.m)|^2 with m = (1, 0, s), the plane's normal. Solving for d
+// instead of s keeps small far discs free of cancellation.
+vec4 discBox(vec3 c, vec3 n, float r) {
+  vec2 s0 = c.xy / -c.z;
+  float a = c.z * c.z - r * r * (1.0 - n.z * n.z);
+  if (a <= 0.0) return vec4(viewport.xy + 0.5 * viewport.zw, 0.5 * viewport.zw);  // round the eye
+  vec2 e = n.xy + s0 * n.z;
+  vec2 b = r * r * (s0 - e * n.z);
+  vec2 k = r * r * max(1.0 + s0 * s0 - e * e, 0.0);
+  return vec4(centrePixel + focal * (s0 + b / a), focal * sqrt(b * b + a * k) / a);
+}
+
+vec4 withLowPass(vec4 box, vec2 pixel) {
+  vec2 low = min(box.xy - box.zw, pixel - lowPass) - 0.5;
+  vec2 high = max(box.xy + box.zw, pixel + lowPass) + 0.5;
+  return vec4(0.5 * (low + high), 0.5 * (high - low));
+}
+
+void main() {
+  vec3 c = (localToView * vec4(position, 1.0)).xyz;
+  vec3 toEye = normalize(-c);
+  vec3 n = mat3(localToView) * normal;
+  n = dot(n, n) > 0.25 ? normalize(n) : toEye;
+
+  float facing = abs(dot(n, toEye));
+  float tilt = sqrt(max(1.0 - facing * facing, 0.0));
+  float pixelSize = -c.z / focal.y;
+  splat.centre = c;
+  splat.radius = radius;
+  splat.normal = n;
+  splat.offset = kDepthOffset * radius +
+                 lowPass * pixelSize * min(tilt / max(facing, 1e-3), kSteepest);
+  splat.colour = headlight ? colour * mix(kAmbient, 1.0, facing) : colour;
+  splat.reach = radius * sqrt(max(1.0 - n.z * n.z, 0.0));
+  splat.pixel = centrePixel + focal * c.xy / -c.z;
+
+  bool seen = -c.z >= depthRange.x && -c.z <= depthRange.y && radius > 0.0;
+  vec4 box = withLowPass(discBox(c, n, radius), splat.pixel);
+#ifdef SPRITES
+  gl_Position = seen ? vec4((box.xy - viewport.xy) / viewport.zw * 2.0 - 1.0, 0.0, 1.0) : kNowhere;
+  gl_PointSize = 2.0 * max(box.z, box.w);
+#else
+  gl_Position = seen ? box : vec4(viewport.xy, -1.0, -1.0);  // splat.geom makes the corners
+#endif
+}
