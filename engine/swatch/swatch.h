@@ -26,7 +26,8 @@ struct Swatch {
 };
 
 // Grey, RGB or RGBA image to a swatch with `levels` >= 1 of the stack. A texel is opaque when its
-// alpha is >= 0.5. Tileable::Auto detects it (an image with holes never tiles). Throws InvalidInput
+// alpha is >= 0.5 and its numbers are finite. Tileable::Auto detects it (an image with holes never
+// tiles, not even with Tileable::Yes). Throws InvalidInput
 // when the image is smaller than 2 x 2 or wholly transparent; `name` is for the message.
 Swatch makeSwatch(const Image& image, Tileable tileable, int levels, const std::string& name);
 
@@ -45,7 +46,7 @@ vec2 wrapTexel(const Swatch& swatch, vec2 texel);
 // tileable swatch).
 bool usableTexel(const Swatch& swatch, vec2 texel);
 
-// Root mean square deviation from the mean colour over opaque texels, all channels together: the
+// Root mean square deviation from the mean colour over all numbers (opaque texels x 3 channels): the
 // swatch's contrast sigma.
 double swatchContrast(const Swatch& swatch);
 
