@@ -1,0 +1,61 @@
+// The surroundings of a point flattened onto its tangent plane: an approximate logarithmic map.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "points/neighborhoods.h"
+#include "points/point_set.h"
+
+namespace dapple {
+
+struct FlatPoint {
+  Index id;
+  vec2 position;  // along the frame's s and t, local units; the centre is (0, 0)
+};
+
+// Grows such maps, one at a time; keeps its memory between calls, so have one for each thread.
+class TangentPatch {
+ public:
+  // Walks along the `used` nearest neighbours of each point, between points whose normals agree
+  // within 90 degrees. References are kept.
+  TangentPatch(const PointSet& points, const Neighborhoods& neighborhoods, std::size_t used);
+
+  // The points within `radius` (local units, on the surface) of `centre`, the centre first, the
+  // others roughly outward. `frame` belongs to the centre. Valid until the next call.
+  std::span<const FlatPoint> grow(Index centre, const TangentFrame& frame, float radius);
+
+ private:
+  enum class SlotState : std::uint8_t { Waiting, Placed, Outside };
+  struct Slot {  // of an open-addressing table from point ids to sites
+    std::uint32_t stamp = 0;
+    Index id = kNone;
+    std::uint32_t site = 0;    // Placed: index into sites_ and flat_
+    std::uint32_t bucket = 0;  // Waiting: the nearest ring in which it is queued
+    SlotState state = SlotState::Waiting;
+  };
+  struct Site {
+    vec3 position;
+    vec3 n, t;  // transported axes
+  };
+
+  Slot& slotOf(Index id);
+  void widenTable();
+  void place(Index id, const Site& site, vec2 position);
+  void queueNeighbours(Index id);
+  bool transfer(Index id, Site& site, vec2& position);
+
+  const PointSet& points_;
+  const Neighborhoods& neighborhoods_;
+  std::size_t used_;
+  std::vector<Slot> table_;
+  std::uint32_t stamp_ = 0;
+  std::size_t tableFill_ = 0;
+  std::vector<Site> sites_;
+  std::vector<FlatPoint> flat_;
+  std::vector<std::vector<Index>> rings_;  // waiting points by distance from the centre
+  float ringWidth_ = 1;
+  std::size_t ringCount_ = 0;
+};
+
+}  // namespace dapple

@@ -1,0 +1,93 @@
+#include "synthesis/score_window.h"
+
+#include <cmath>
+
+namespace dapple {
+namespace {
+
+// A point reaches the two nodes on either side of it along each axis; the third is at least two
+// steps, four sigmas, away. So the grid needs a rim of three nodes that nobody reads.
+constexpr int kRim = 3;
+constexpr int kPaddedSide = kWindowSide + 2 * kRim;
+// A node counts as covered when the weights there add up to that of one point a step away.
+const float kCovered = std::exp(-2.0f);
+
+// Gaussian of half a step at the four nodes from `first` on, seen from x (both in steps).
+Float4 fourWeights(float x, float first) {
+  Float4 weights{};
+  for (int i = 0; i < 4; ++i) {
+    const float d = x - (first + static_cast<float>(i));
+    weights[i] = std::exp(-2 * d * d);
+  }
+  return weights;
+}
+
+int paddedIndex(int row, int column) {
+  return (row + kRim) * kPaddedSide + column + kRim;
+}
+
+}  // namespace
+
+float windowDistance(const Window& a, const Window& b) {
+  Float4 sum{};
+  for (int i = 0; i < kWindowNodes; ++i) {
+    const Float4 d = a.node[i] - b.node[i];
+    sum += d * d;
+  }
+  return std::sqrt((sum[0] + sum[1] + sum[2]) / kWindowNumbers);
+}
+
+void WindowSampler::place(std::span<const FlatPoint> points, float step, float turn) {
+  const float cosine = std::cos(turn), sine = std::sin(turn), perStep = 1 / step;
+  samples_.clear();
+  weights_.clear();
+  std::array<Float4, kPaddedSide * kPaddedSide> total{};
+  // Beyond this no node is reached; the square root of two allows for the turn.
+  const float far = step * (kWindowReach + 2) * std::sqrt(2.0f);
+  for (const FlatPoint& point : points) {
+    if (std::abs(point.position.x) > far || std::abs(point.position.y) > far) continue;
+    const vec2 p(cosine * point.position.x + sine * point.position.y,
+                 cosine * point.position.y - sine * point.position.x);
+    const vec2 grid = p * perStep + kWindowReach;
+    const vec2 first = glm::floor(grid) - 1.0f;
+    if (!(first.x >= -kRim && first.x < kWindowSide && first.y >= -kRim && first.y < kWindowSide))
+      continue;
+    const Float4 row = fourWeights(grid.y, first.y);
+    const Weights weights{paddedIndex(static_cast<int>(first.y), static_cast<int>(first.x)),
+                          fourWeights(grid.x, first.x),
+                          {row[0], row[1], row[2], row[3]}};
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c < 4; ++c)
+        total[weights.corner + r * kPaddedSide + c][0] += weights.row[r] * weights.column[c];
+    samples_.push_back({point.id, p});
+    weights_.push_back(weights);
+  }
+  complete_ = true;
+  for (int row = 0; row < kWindowSide; ++row)
+    for (int column = 0; column < kWindowSide; ++column) {
+      const float weight = total[paddedIndex(row, column)][0];
+      total_[row * kWindowSide + column] = weight;
+      complete_ = complete_ && weight >= kCovered;
+    }
+}
+
+Window WindowSampler::window(std::span<const Float4> colours) const {
+  std::array<Float4, kPaddedSide * kPaddedSide> sum{};
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    const Weights& weights = weights_[i];
+    Float4* corner = sum.data() + weights.corner;
+    for (int r = 0; r < 4; ++r) {
+      const Float4 colour = colours[i] * weights.row[r];
+      for (int c = 0; c < 4; ++c) corner[r * kPaddedSide + c] += colour * weights.column[c];
+    }
+  }
+  Window window;
+  for (int row = 0; row < kWindowSide; ++row)
+    for (int column = 0; column < kWindowSide; ++column) {
+      const int node = row * kWindowSide + column;
+      window.node[node] = sum[paddedIndex(row, column)] / total_[node];
+    }
+  return window;
+}
+
+}  // namespace dapple
