@@ -39,8 +39,8 @@ const NamedView& viewNamed(std::string_view name) {
 std::vector<vec3> cornersOf(const Bounds& b) {
   std::vector<vec3> corners;
   for (int i = 0; i < 8; ++i)
-    corners.push_back({i & 1 ? b.high.x : b.low.x, i & 2 ? b.high.y : b.low.y,
-                       i & 4 ? b.high.z : b.low.z});
+    corners.push_back(
+        {i & 1 ? b.high.x : b.low.x, i & 2 ? b.high.y : b.low.y, i & 4 ? b.high.z : b.low.z});
   return corners;
 }
 
@@ -71,15 +71,13 @@ Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3>
   Fit across{slope * aspect}, upwards{slope};
   float nearest = -std::numeric_limits<float>::infinity(), farthest = -nearest;
   for (const vec3& p : points) {
-    const vec3 q{glm::dot(p - centre, right), glm::dot(p - centre, up),
-                 glm::dot(p - centre, back)};
+    const vec3 q{glm::dot(p - centre, right), glm::dot(p - centre, up), glm::dot(p - centre, back)};
     across.add(q.x, q.z);
     upwards.add(q.y, q.z);
     nearest = std::max(nearest, q.z);
     farthest = std::min(farthest, q.z);
   }
-  const float distance =
-      std::max({across.distance(), upwards.distance(), nearest + kSmallestSize});
+  const float distance = std::max({across.distance(), upwards.distance(), nearest + kSmallestSize});
   const vec3 axis = centre + across.shift() * right + upwards.shift() * up;
   camera.eye = axis + distance * back;
   camera.target = axis;

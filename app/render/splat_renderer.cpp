@@ -21,7 +21,7 @@ namespace {
 constexpr float kRadiusPerSpacing = 1.2f;
 constexpr int kLargestPicture = 16384;
 constexpr int kLargestSamples = 4;
-constexpr int kTile = 2048;  // samples: 150 MB of textures, whatever the picture's size
+constexpr int kTile = 2048;            // samples: 150 MB of textures, whatever the picture's size
 constexpr float kLargestSprite = 250;  // pixels; Mesa allows 255
 
 using Names = std::array<std::string_view, 2>;
@@ -52,11 +52,12 @@ void uploadColumn(GLuint attribute, const GlBuffer& buffer, const std::vector<T>
 
 void validate(int width, int height, const SplatOptions& options) {
   if (width < 1 || height < 1 || width > kLargestPicture || height > kLargestPicture)
-    throw InvalidInput(fmt::format("A picture of {} x {} pixels cannot be drawn; sides go from 1 to {}.",
-                                   width, height, kLargestPicture));
+    throw InvalidInput(
+        fmt::format("A picture of {} x {} pixels cannot be drawn; sides go from 1 to {}.", width,
+                    height, kLargestPicture));
   if (!(options.lowPass > 0))
-    throw InvalidInput(fmt::format("The low-pass radius is {} pixels; it must be above 0.",
-                                   options.lowPass));
+    throw InvalidInput(
+        fmt::format("The low-pass radius is {} pixels; it must be above 0.", options.lowPass));
   if (options.samples < 1 || options.samples > kLargestSamples)
     throw InvalidInput(fmt::format("{} samples along a pixel's side cannot be drawn; give 1 to {}.",
                                    options.samples, kLargestSamples));

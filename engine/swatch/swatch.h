@@ -48,8 +48,6 @@ bool usableTexel(const Swatch& swatch, vec2 texel);
 
 // Root mean square deviation from the mean colour over all numbers (opaque texels x 3 channels):
 // the swatch's contrast sigma.
-// Root mean square deviation from the mean colour over all numbers (opaque texels x 3 channels): the
-// swatch's contrast sigma.
 double swatchContrast(const Swatch& swatch);
 
 }  // namespace dapple
