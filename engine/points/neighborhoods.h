@@ -20,9 +20,10 @@ struct Neighborhoods {
 };
 
 // k nearest other points of each point (the point itself is left out). Throws InvalidInput when
-// there are not more than k points.
+// there are not more than k points. `portable` keeps off this processor's SIMD (for tests: the
+// result is the same). Throws Cancelled.
 Neighborhoods buildNeighborhoods(const std::vector<vec3>& positions, std::size_t k,
-                                 Monitor& monitor);
+                                 Monitor& monitor, bool portable = false);
 
 // Side of the square of surface that one point owns, local units: the mean over points of
 // r_k sqrt(pi / (k + 1/2)), r_k the distance to the k-th neighbour (methods: section 1.1).
