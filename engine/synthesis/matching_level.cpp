@@ -3,7 +3,8 @@
 // Departures, each of which was needed for a pattern that a viewer recognises:
 // - places are real numbers: a neighbour copied from place s predicts exactly s - offset. Rounding
 //   that to a pixel, as a search over pixels does, gives the true continuation an error, so that
-//   another place wins and the copy breaks off (9 of 10 neighbours were copied from somewhere else);
+//   another place wins and the copy breaks off (9 of 10 neighbours were copied from somewhere
+//   else);
 // - the winner of the exhaustive search is moved by fractions of a pixel to the nearest minimum and
 //   must beat the neighbours' predictions clearly (the bonus of image analogies, Hertzmann et al.
 //   2001);
@@ -16,12 +17,22 @@
 
 #include "base/hash_rng.h"
 
+// The same function for processors with and without AVX2, chosen when the program starts; the bits
+// are the same, as nothing is contracted or reordered.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+#define DAPPLE_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define DAPPLE_CLONES
+#endif
+
 namespace dapple {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kGrazing = 1e-4f;       // squared sine below which a direction has no projection
+constexpr float kGrazing = 1e-4f;        // squared sine below which a direction has no projection
 constexpr float kReachShare = 1.0f / 6;  // of a swatch that does not tile: margin on each side
+constexpr float kTwin = 1e-30f;          // least squared distance; below it points coincide
+constexpr float kNotSeen = std::numeric_limits<float>::quiet_NaN();
 constexpr int kPlacesTried = 64;
 constexpr std::size_t kFinePhases = 4, kCoarsePhases = 2;
 constexpr std::size_t kLargeSwatch = 256 * 256;  // pixels from which on planes must be fewer
@@ -29,6 +40,42 @@ constexpr std::size_t kLargeSwatch = 256 * 256;  // pixels from which on planes 
 float distanceAround(float a, float b, float period) {
   const float d = std::abs(a - b);
   return period > 0 ? std::min(d, std::abs(period - d)) : d;
+}
+
+void store(const MatchSite& site, SiteBlock& block, std::size_t a) {
+  for (int c = 0; c < 3; ++c) {
+    block.position[c][a] = site.position[c];
+    block.s[c][a] = site.s[c];
+    block.t[c][a] = site.t[c];
+  }
+}
+
+// The transfer of [Zhang] section 3, q = L (V.S, V.T) / cos with V of unit length, seen from both
+// ends and averaged, so that the way there and back is the same to the last bit.
+DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::size_t count,
+                               SiteBlock& block) {
+  const vec3 p = from.position, s = from.s, t = from.t, n = glm::cross(s, t);
+  const float half = 0.5f * pixelsPerUnit;
+  for (std::size_t a = 0; a < count; ++a) {
+    const float vx = block.position[0][a] - p.x, vy = block.position[1][a] - p.y,
+                vz = block.position[2][a] - p.z;
+    const float sx = block.s[0][a], sy = block.s[1][a], sz = block.s[2][a];
+    const float tx = block.t[0][a], ty = block.t[1][a], tz = block.t[2][a];
+    const float nx = sy * tz - sz * ty, ny = sz * tx - sx * tz, nz = sx * ty - sy * tx;
+    const float facing = n.x * nx + n.y * ny + n.z * nz;
+    const float length2 = std::max(vx * vx + vy * vy + vz * vz, kTwin);
+    const float here = vx * n.x + vy * n.y + vz * n.z, there = vx * nx + vy * ny + vz * nz;
+    const float flatHere = 1 - here * here / length2, flatThere = 1 - there * there / length2;
+    const float scaleHere = half / std::sqrt(std::max(flatHere, kGrazing));
+    const float scaleThere = half / std::sqrt(std::max(flatThere, kGrazing));
+    const float x =
+        (vx * s.x + vy * s.y + vz * s.z) * scaleHere + (vx * sx + vy * sy + vz * sz) * scaleThere;
+    const float y =
+        (vx * t.x + vy * t.y + vz * t.z) * scaleHere + (vx * tx + vy * ty + vz * tz) * scaleThere;
+    const float least = std::min(facing, std::min(flatHere, flatThere) - kGrazing);
+    block.x[a] = least > 0 ? x : kNotSeen;
+    block.y[a] = -y;  // image rows run down
+  }
 }
 
 }  // namespace
@@ -56,91 +103,98 @@ MatchingLevel::MatchingLevel(const Input& input, bool searching)
 }
 
 bool MatchingLevel::offsetBetween(const MatchSite& a, const MatchSite& b, vec2& offset) const {
-  const vec3 normalA = glm::cross(a.s, a.t), normalB = glm::cross(b.s, b.t);
-  if (!(glm::dot(normalA, normalB) > 0)) return false;
-  const vec3 way = b.position - a.position;
-  const float length2 = glm::dot(way, way);
-  offset = vec2(0);
-  if (length2 <= 0) return true;  // twins
-  // The transfer of [Zhang] section 3, q = L (V.S, V.T) / cos, V of unit length, seen from each end.
-  const float heightA = glm::dot(way, normalA), heightB = glm::dot(way, normalB);
-  const float flatA = 1 - heightA * heightA / length2, flatB = 1 - heightB * heightB / length2;
-  if (!(flatA > kGrazing && flatB > kGrazing)) return false;
-  const float scaleA = 0.5f * pixelsPerUnit_ / std::sqrt(flatA);
-  const float scaleB = 0.5f * pixelsPerUnit_ / std::sqrt(flatB);
-  offset.x = glm::dot(way, a.s) * scaleA + glm::dot(way, b.s) * scaleB;
-  offset.y = -(glm::dot(way, a.t) * scaleA + glm::dot(way, b.t) * scaleB);  // image rows run down
-  return true;
+  SiteBlock block;
+  store(b, block, 0);
+  fillOffsets(a, pixelsPerUnit_, 1, block);
+  offset = {block.x[0], block.y[0]};
+  return offset.x == offset.x;
 }
 
 void MatchingLevel::addCandidate(vec2 place, MatchScratch& scratch) const {
+  const float merge = in_.merge;
+  for (const vec2& other : scratch.candidates) {  // nearly all of them: a piece agrees with itself
+    if (std::abs(place.x - other.x) < merge && std::abs(place.y - other.y) < merge) return;
+  }
   place = reader_.wrap(place);
   if (!reader_.inside(place.x, place.y)) return;
   const float w = in_.swatch.tileable ? static_cast<float>(in_.swatch.width) : 0;
   const float h = in_.swatch.tileable ? static_cast<float>(in_.swatch.height) : 0;
   for (const vec2& other : scratch.candidates) {
-    if (distanceAround(place.x, other.x, w) < in_.merge &&
-        distanceAround(place.y, other.y, h) < in_.merge) {
+    if (distanceAround(place.x, other.x, w) < merge &&
+        distanceAround(place.y, other.y, h) < merge) {
       return;
     }
   }
   scratch.candidates.push_back(place);
 }
 
-void MatchingLevel::addTerm(const MatchSite& site, const MatchSite& from,
-                            MatchScratch& scratch) const {
-  vec2 offset;
-  if (!offsetBetween(from, site, offset)) return;
-  addCandidate(site.place - offset, scratch);
-  if (!(std::abs(offset.x) <= reach_ && std::abs(offset.y) <= reach_)) return;
-  scratch.offsets.push_back(offset);
-  scratch.colours.push_back(toFloat4(site.colour));
+// Terms and predictions of scratch.near.
+void MatchingLevel::addTerms(const MatchSite& from, MatchScratch& scratch) const {
+  for (std::size_t begin = 0; begin < scratch.near.size(); begin += SiteBlock::kSize) {
+    const std::size_t count = std::min(SiteBlock::kSize, scratch.near.size() - begin);
+    const MatchSite* const* near = scratch.near.data() + begin;
+    for (std::size_t a = 0; a < count; ++a) store(*near[a], scratch.block, a);
+    fillOffsets(from, pixelsPerUnit_, count, scratch.block);
+    for (std::size_t a = 0; a < count; ++a) {
+      const vec2 offset(scratch.block.x[a], scratch.block.y[a]);
+      if (!(offset.x == offset.x)) continue;
+      addCandidate(near[a]->place - offset, scratch);
+      if (!(std::abs(offset.x) <= reach_ && std::abs(offset.y) <= reach_)) continue;
+      scratch.offsets.push_back(offset);
+      scratch.colours.push_back(toFloat4(near[a]->colour));
+    }
+  }
 }
 
 void MatchingLevel::gather(Index i, MatchScratch& scratch) const {
   scratch.offsets.clear();
   scratch.colours.clear();
   scratch.candidates.clear();
-  scratch.parents.clear();
-  const MatchSite& from = sites_[i];
-  const auto near = in_.neighborhoods.of(i);
-  for (Index j : near) {
-    if (sites_[j].known) addTerm(sites_[j], from, scratch);
+  scratch.near.clear();
+  const auto ids = in_.neighborhoods.of(i);
+  for (Index j : ids) {
+    if (sites_[j].known) scratch.near.push_back(&sites_[j]);
   }
+  addTerms(sites_[i], scratch);
   scratch.fineTerms = scratch.offsets.size();
   if (in_.coarse == nullptr) return;
   // All distinct parents of the neighbourhood, nearest first; their colours are finished.
+  scratch.near.clear();
   const auto addParent = [&](Index parent) {
-    const auto seen = std::find(scratch.parents.begin(), scratch.parents.end(), parent);
-    if (seen != scratch.parents.end()) return;
-    scratch.parents.push_back(parent);
-    addTerm(in_.coarse->sites_[parent], from, scratch);
+    const MatchSite* site = &in_.coarse->sites_[parent];
+    if (std::find(scratch.near.begin(), scratch.near.end(), site) == scratch.near.end()) {
+      scratch.near.push_back(site);
+    }
   };
   addParent(in_.parent[i]);
-  for (Index j : near) addParent(in_.parent[j]);
+  for (Index j : ids) addParent(in_.parent[j]);
+  addTerms(sites_[i], scratch);
 }
 
 // Sum over terms of squared differences; infinite where a term falls outside, anything above
 // `bound` when it exceeds that.
 float MatchingLevel::errorAt(vec2 place, float bound, const MatchScratch& scratch) const {
-  constexpr std::size_t kStride = 8;  // terms between two looks at the bound
   if (!reader_.inside(place.x, place.y)) return kInfinity;
   const bool bounded = !in_.swatch.tileable;
-  float sum = 0;
-  const std::size_t count = scratch.offsets.size();
-  for (std::size_t begin = 0; begin < count; begin += kStride) {
-    Float4 squares{0, 0, 0, 0};
-    for (std::size_t t = begin; t < std::min(count, begin + kStride); ++t) {
-      const float x = place.x + scratch.offsets[t].x, y = place.y + scratch.offsets[t].y;
-      const TexelReader& reader = t < scratch.fineTerms ? reader_ : *coarseReader_;
-      if (bounded && !reader.inside(x, y)) return kInfinity;
-      const Float4 d = reader.read(x, y) - scratch.colours[t];
-      squares += d * d;
+  const std::size_t fine = scratch.fineTerms, count = scratch.offsets.size();
+  const auto add = [&](const TexelReader& reader, std::size_t begin, std::size_t end, float sum) {
+    constexpr std::size_t kStride = 8;  // terms between two looks at the bound
+    while (begin < end) {
+      Float4 squares{0, 0, 0, 0};
+      const std::size_t stop = std::min(end, begin + kStride);
+      for (; begin < stop; ++begin) {
+        const vec2 at = place + scratch.offsets[begin];
+        if (bounded && !reader.inside(at.x, at.y)) return kInfinity;
+        const Float4 d = reader.read(at.x, at.y) - scratch.colours[begin];
+        squares += d * d;
+      }
+      sum += sumOf(squares);
+      if (sum > bound) break;
     }
-    sum += sumOf(squares);
-    if (sum > bound) return sum;
-  }
-  return sum;
+    return sum;
+  };
+  const float sum = add(reader_, 0, fine, 0);
+  return fine == count || sum > bound ? sum : add(*coarseReader_, fine, count, sum);
 }
 
 // Downhill from a whole pixel in steps of 1/2, 1/4 and 1/8.

@@ -34,10 +34,20 @@ struct MatchChoice {
   bool searched = false;
 };
 
+// Sites around a point, one column for each number, so that their offsets are computed eight at a
+// time.
+struct SiteBlock {
+  static constexpr std::size_t kSize = 64;
+  float position[3][kSize], s[3][kSize], t[3][kSize];
+  float x[kSize], y[kSize];  // offsets, pixels; NaN where the site faces away or is out of sight
+};
+
 // Working memory of one matching thread.
 struct MatchScratch {
-  std::vector<vec2> offsets;       // of the terms, pixels (x right, y down)
-  std::vector<Float4> colours;     // of the terms
+  SiteBlock block;
+  std::vector<const MatchSite*> near;  // whose terms are wanted
+  std::vector<vec2> offsets;           // of the terms, pixels (x right, y down)
+  std::vector<Float4> colours;         // of the terms
   std::size_t fineTerms = 0;       // the first ones are compared with layer 0, the others with 1
   std::vector<vec2> candidates;    // distinct predictions, places
   std::vector<Index> parents;      // distinct parents seen
@@ -50,8 +60,8 @@ class MatchingLevel {
     std::span<const vec3> positions;
     std::span<const TangentFrame> frames;
     const Neighborhoods& neighborhoods;
-    std::span<const Index> parent;        // empty at the coarsest level
-    const MatchingLevel* coarse;          // null at the coarsest level
+    std::span<const Index> parent;  // empty at the coarsest level
+    const MatchingLevel* coarse;    // null at the coarsest level
     const Swatch& swatch;
     int stackLevel;  // of the swatch
     float unit;      // local units per pixel
@@ -77,14 +87,14 @@ class MatchingLevel {
   vec2 randomPlace(Index i, std::uint64_t salt) const;
 
   // Pixels from site a to b as the frames of both see it: half of each view, so that there and back
-  // is the same. False when they face away from each other.
+  // is the same. False when they face away from each other or look along the surface's normal.
   bool offsetBetween(const MatchSite& a, const MatchSite& b, vec2& offset) const;
 
   const TexelReader& reader() const { return reader_; }
 
  private:
   void gather(Index i, MatchScratch& scratch) const;
-  void addTerm(const MatchSite& site, const MatchSite& from, MatchScratch& scratch) const;
+  void addTerms(const MatchSite& from, MatchScratch& scratch) const;
   void addCandidate(vec2 place, MatchScratch& scratch) const;
   float errorAt(vec2 place, float bound, const MatchScratch& scratch) const;
   void refine(vec2& place, float& error, const MatchScratch& scratch) const;

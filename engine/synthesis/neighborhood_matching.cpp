@@ -26,12 +26,12 @@ namespace dapple {
 namespace {
 
 constexpr int kMaxLevels = 8;
-constexpr std::size_t kBatch = 8;        // points matched at once in exhaustive mode
+constexpr std::size_t kBatch = 8;         // points matched at once in exhaustive mode
 constexpr std::size_t kCheckEvery = 256;  // points between two looks at the monitor, coherent mode
 constexpr std::size_t kClasses = 4;       // of points that are visited again at the same time
-constexpr int kCoarsestVisits = 3;
+constexpr int kCoarsestVisits = 3, kCoarseVisits = 2, kFineVisits = 1;  // after the first
 constexpr float kMergePixels = 0.4f;
-constexpr float kCoherenceBonus = 1.0f;     // an exhaustive place needs half the error at level 0
+constexpr float kCoherenceBonus = 4.0f;     // an exhaustive place needs half the error at level 0
 constexpr float kSmallestShare = 1.0f / 8;  // spacing of the coarsest level / swatch size
 
 // 0 ... n - 1 in a hashed order, computed one by one: a four-round Feistel network over the next
@@ -105,12 +105,6 @@ class WorkMeter {
   Monitor& monitor_;
 };
 
-
-float tune(const char* name, float value) {
-  const char* text = std::getenv(name);
-  return text ? static_cast<float>(std::atof(text)) : value;
-}
-
 class Matcher {
  public:
   Matcher(const SynthesisInput& input, const MatchingOptions& options, SourceMap& map,
@@ -129,7 +123,7 @@ class Matcher {
   void colourAtRandom(int l);
   void fill(int l);
   void visitAgain(int l, int pass);
-  void nextBatch(BucketQueue& queue, int l);
+  void nextBatch(BucketQueue& queue, int l, std::size_t most);
   void count(int l, Index i, const MatchChoice& choice);
   void preview(int l);
   void write();
@@ -168,7 +162,7 @@ int Matcher::visitsAgain(int l) const {
   const int top = static_cast<int>(fixed_.size()) - 1;
   if (options_.asPrinted || top == 0) return 0;
   if (l == top) return kCoarsestVisits;
-  return l > 0 ? static_cast<int>(tune("DVIS", 2)) : static_cast<int>(tune("DVIS0", 1));
+  return l > 0 ? kCoarseVisits : kFineVisits;
 }
 
 MatchRules Matcher::rulesOf(int l, bool again) const {
@@ -177,7 +171,7 @@ MatchRules Matcher::rulesOf(int l, bool again) const {
   MatchRules rules;
   rules.exhaustive = !options_.coherent || (l == top && top > 0);
   if (l == 0 && again) rules.exhaustive = false;
-  rules.bonus = 1 + tune("DKAPPA", kCoherenceBonus) * std::ldexp(1.0f, static_cast<int>(tune("DKE", -1)) * l);
+  rules.bonus = 1 + std::ldexp(kCoherenceBonus, -l);
   return rules;
 }
 
@@ -203,7 +197,8 @@ void Matcher::markFixed() {
 void Matcher::planWork() {
   std::size_t visits = 0, points = 0;
   for (std::size_t l = 0; l < fixed_.size(); ++l) {
-    const auto open = static_cast<std::size_t>(std::count(fixed_[l].begin(), fixed_[l].end(), false));
+    const auto open =
+        static_cast<std::size_t>(std::count(fixed_[l].begin(), fixed_[l].end(), false));
     visits += open * (1 + static_cast<std::size_t>(visitsAgain(static_cast<int>(l))));
     if (l == 0) points = open;
   }
@@ -220,7 +215,8 @@ void Matcher::addLevel(int l) {
           .positions = l == 0 ? in_.points.positions : hierarchy_[l].positions,
           .frames = l == 0 ? map_.frame : hierarchy_[l].frames,
           .neighborhoods = l == 0 ? in_.neighborhoods : hierarchy_[l].neighborhoods,
-          .parent = single ? std::span<const Index>() : std::span<const Index>(hierarchy_[l].parent),
+          .parent =
+              single ? std::span<const Index>() : std::span<const Index>(hierarchy_[l].parent),
           .coarse = top ? nullptr : levels_[l + 1].get(),
           .swatch = in_.swatch,
           .stackLevel = baseLevel_ + l,
@@ -272,9 +268,8 @@ void Matcher::colourAtRandom(int l) {
 }
 
 // Points of the same key, none of which is a neighbour of another.
-void Matcher::nextBatch(BucketQueue& queue, int l) {
+void Matcher::nextBatch(BucketQueue& queue, int l, std::size_t most) {
   const MatchingLevel& level = *levels_[l];
-  const std::size_t most = rulesOf(l, false).exhaustive ? kBatch : 1;
   batch_.clear();
   ++batchNumber_;
   std::size_t key = 0;
@@ -290,18 +285,21 @@ void Matcher::nextBatch(BucketQueue& queue, int l) {
       batch_.push_back(i);
       return;
     }
+    if (most == 1) {
+      batch_.push_back(i);
+      return;
+    }
     const auto near = level.neighborhoods().of(i);
-    const bool apart = stamp_[i] != batchNumber_ &&
-                       std::none_of(near.begin(), near.end(), [&](Index j) {
-                         return std::find(batch_.begin(), batch_.end(), j) != batch_.end();
-                       });
+    const bool apart =
+        stamp_[i] != batchNumber_ && std::none_of(near.begin(), near.end(), [&](Index j) {
+          return std::find(batch_.begin(), batch_.end(), j) != batch_.end();
+        });
     if (batch_.empty()) key = queue.lastKey();
     if (!apart || (!fromCarry && queue.lastKey() != key)) {
       carried_ = i;
       return;
     }
     batch_.push_back(i);
-    if (most == 1) return;
     for (Index j : near) stamp_[j] = batchNumber_;
   }
 }
@@ -313,8 +311,10 @@ void Matcher::fill(int l) {
   BucketQueue queue(level.size());
   std::size_t left = 0;
   for (std::size_t i = 0; i < level.size(); ++i) {
-    if (level.sites()[i].known) queue.retire(static_cast<Index>(i));
-    else ++left;
+    if (level.sites()[i].known)
+      queue.retire(static_cast<Index>(i));
+    else
+      ++left;
   }
   if (left < level.size()) {
     for (std::size_t i = 0; i < level.size(); ++i) {
@@ -331,12 +331,14 @@ void Matcher::fill(int l) {
   std::size_t unreported = 0;
   Index rank = 0;
   while (left > 0) {
-    nextBatch(queue, l);
+    nextBatch(queue, l, rules.exhaustive ? kBatch : 1);
     const auto matchOne = [&](std::size_t b) {
       choices[b] = level.match(batch_[b], rules, scratch_[b]);
     };
-    if (batch_.size() == 1) matchOne(0);
-    else monitor_.workers().run(batch_.size(), matchOne);
+    if (batch_.size() == 1)
+      matchOne(0);
+    else
+      monitor_.workers().run(batch_.size(), matchOne);
     for (std::size_t b = 0; b < batch_.size(); ++b) {
       const Index i = batch_[b];
       level.set(i, choices[b].place);
@@ -447,8 +449,8 @@ MatchingStatistics Matcher::run() {
   markFixed();
   errors_.assign(in_.points.size(), 0);
   order_.assign(in_.points.size(), kNone);
-  baseLevel_ = std::max(0, static_cast<int>(std::lround(
-                               std::log2(meanSpacing(in_.neighborhoods) / in_.unit))));
+  baseLevel_ = std::max(
+      0, static_cast<int>(std::lround(std::log2(meanSpacing(in_.neighborhoods) / in_.unit))));
   const int count = static_cast<int>(fixed_.size());
   statistics_.levels = count;
   levels_.resize(fixed_.size());
@@ -456,8 +458,10 @@ MatchingStatistics Matcher::run() {
   for (int l = count - 1; l >= 0; --l) {
     addLevel(l);
     inheritFixed(l);
-    if (l == count - 1 && l > 0 && (options_.asPrinted || tune("DRAND", 1) > 0)) colourAtRandom(l);
-    else fill(l);
+    if (l == count - 1 && l > 0 && (options_.asPrinted || true))
+      colourAtRandom(l);
+    else
+      fill(l);
     for (int pass = 0; pass < visitsAgain(l); ++pass) visitAgain(l, pass);
   }
   write();
