@@ -15,8 +15,9 @@ SimdPath bestSimdPath();  // of this processor
 
 // One neighbour with a known colour.
 struct SearchTerm {
-  vec2 offset;  // from the searched place, swatch pixels (x right, y down)
-  vec3 colour;  // 0..1
+  vec2 offset;    // from the searched place, swatch pixels (x right, y down)
+  vec3 colour;    // 0..1
+  int layer = 0;  // which layer of the search it is compared with
 };
 
 struct SearchResult {
@@ -29,16 +30,17 @@ struct SearchResult {
 // construction; search() may be called from many threads.
 class SwatchSearch {
  public:
-  // `level` of the swatch's stack, `phases` P in {1, 2, 4, 8}.
-  SwatchSearch(const Swatch& swatch, int level, int phases);
+  // `level` of the swatch's stack, `phases` P in {1, 2, 4, 8}. `layers` >= 1: layer 0 is `level`,
+  // layer 1 the next coarser one and so on; past the end of the stack its last level stands in.
+  SwatchSearch(const Swatch& swatch, int level, int phases, int layers = 1);
   ~SwatchSearch();
   SwatchSearch(SwatchSearch&&) noexcept;
 
-  // The place x over all integer pixels (times every phase of `subPixel` x `subPixel` sub-positions
-  // when > 1) with the least sum over terms |I(x + offset) - colour|^2. Tileable: wrapped, all
-  // places; else only where every term stays inside the image; places where a term or the place
-  // itself falls on a transparent texel are skipped. Ties: smallest y, then x. All paths give the
-  // same result. At most 2^16 terms.
+  // The place x over all pixels with the least sum over terms |I(x + offset) - colour|^2, offsets
+  // rounded to 1/P pixel. Tileable: wrapped, all places; else only where every term stays inside
+  // the image; places where a term or the place itself falls on a transparent texel are skipped.
+  // Ties: smallest y, then x. All paths give the same result; one that this processor lacks is
+  // replaced by its best. At most 2^16 terms.
   SearchResult search(std::span<const SearchTerm> terms, SimdPath path) const;
   SearchResult search(std::span<const SearchTerm> terms) const;  // on the best path
 

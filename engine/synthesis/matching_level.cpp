@@ -1,0 +1,284 @@
+// [Zhang] section 4: the neighbourhood of a point, its best place in the swatch.
+//
+// Departures, each of which was needed for a pattern that a viewer recognises:
+// - places are real numbers: a neighbour copied from place s predicts exactly s - offset. Rounding
+//   that to a pixel, as a search over pixels does, gives the true continuation an error, so that
+//   another place wins and the copy breaks off (9 of 10 neighbours were copied from somewhere
+//   else);
+// - the winner of the exhaustive search is moved by fractions of a pixel to the nearest minimum and
+//   must beat the neighbours' predictions clearly (the bonus of image analogies, Hertzmann et al.
+//   2001);
+// - offsets are the mean of both points' views, else copies drift where frames turn.
+#include "synthesis/matching_level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/hash_rng.h"
+
+// The same function for processors with and without AVX2, chosen when the program starts; the bits
+// are the same, as nothing is contracted or reordered.
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+#define DAPPLE_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define DAPPLE_CLONES
+#endif
+
+namespace dapple {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kGrazing = 1e-4f;        // squared sine below which a direction has no projection
+constexpr float kReachShare = 1.0f / 6;  // of a swatch that does not tile: margin on each side
+constexpr float kTwin = 1e-30f;          // least squared distance; below it points coincide
+constexpr float kNotSeen = std::numeric_limits<float>::quiet_NaN();
+constexpr int kPlacesTried = 64;
+constexpr std::size_t kFinePhases = 4, kCoarsePhases = 2;
+constexpr std::size_t kLargeSwatch = 256 * 256;  // pixels from which on planes must be fewer
+
+float distanceAround(float a, float b, float period) {
+  const float d = std::abs(a - b);
+  return period > 0 ? std::min(d, std::abs(period - d)) : d;
+}
+
+void store(const MatchSite& site, SiteBlock& block, std::size_t a) {
+  for (int c = 0; c < 3; ++c) {
+    block.position[c][a] = site.position[c];
+    block.s[c][a] = site.s[c];
+    block.t[c][a] = site.t[c];
+  }
+}
+
+// The transfer of [Zhang] section 3, q = L (V.S, V.T) / cos with V of unit length, seen from both
+// ends and averaged, so that the way there and back is the same to the last bit.
+DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::size_t count,
+                               SiteBlock& block) {
+  const vec3 p = from.position, s = from.s, t = from.t, n = glm::cross(s, t);
+  const float half = 0.5f * pixelsPerUnit;
+  for (std::size_t a = 0; a < count; ++a) {
+    const float vx = block.position[0][a] - p.x, vy = block.position[1][a] - p.y,
+                vz = block.position[2][a] - p.z;
+    const float sx = block.s[0][a], sy = block.s[1][a], sz = block.s[2][a];
+    const float tx = block.t[0][a], ty = block.t[1][a], tz = block.t[2][a];
+    const float nx = sy * tz - sz * ty, ny = sz * tx - sx * tz, nz = sx * ty - sy * tx;
+    const float facing = n.x * nx + n.y * ny + n.z * nz;
+    const float length2 = std::max(vx * vx + vy * vy + vz * vz, kTwin);
+    const float here = vx * n.x + vy * n.y + vz * n.z, there = vx * nx + vy * ny + vz * nz;
+    const float flatHere = 1 - here * here / length2, flatThere = 1 - there * there / length2;
+    const float scaleHere = half / std::sqrt(std::max(flatHere, kGrazing));
+    const float scaleThere = half / std::sqrt(std::max(flatThere, kGrazing));
+    const float x =
+        (vx * s.x + vy * s.y + vz * s.z) * scaleHere + (vx * sx + vy * sy + vz * sz) * scaleThere;
+    const float y =
+        (vx * t.x + vy * t.y + vz * t.z) * scaleHere + (vx * tx + vy * ty + vz * tz) * scaleThere;
+    const float least = std::min(facing, std::min(flatHere, flatThere) - kGrazing);
+    block.x[a] = least > 0 ? x : kNotSeen;
+    block.y[a] = -y;  // image rows run down
+  }
+}
+
+}  // namespace
+
+MatchingLevel::MatchingLevel(const Input& input, bool searching)
+    : in_(input),
+      pixelsPerUnit_(1 / input.unit),
+      reach_(kInfinity),
+      sites_(input.positions.size()),
+      reader_(input.swatch, input.stackLevel) {
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    sites_[i].position = in_.positions[i];
+    sites_[i].s = in_.frames[i].s;
+    sites_[i].t = in_.frames[i].t;
+  }
+  const int layers = in_.coarse != nullptr ? 2 : 1;
+  if (layers == 2) coarseReader_ = std::make_unique<TexelReader>(in_.swatch, in_.stackLevel + 1);
+  if (!in_.swatch.tileable) {
+    reach_ = kReachShare * static_cast<float>(std::min(in_.swatch.width, in_.swatch.height));
+  }
+  if (!searching) return;
+  const bool fine = in_.stackLevel == 0 && in_.swatch.pixels() <= kLargeSwatch;
+  search_ = std::make_unique<SwatchSearch>(in_.swatch, in_.stackLevel,
+                                           fine ? kFinePhases : kCoarsePhases, layers);
+}
+
+bool MatchingLevel::offsetBetween(const MatchSite& a, const MatchSite& b, vec2& offset) const {
+  SiteBlock block;
+  store(b, block, 0);
+  fillOffsets(a, pixelsPerUnit_, 1, block);
+  offset = {block.x[0], block.y[0]};
+  return offset.x == offset.x;
+}
+
+void MatchingLevel::addCandidate(vec2 place, MatchScratch& scratch) const {
+  const float merge = in_.merge;
+  for (const vec2& other : scratch.candidates) {  // nearly all of them: a piece agrees with itself
+    if (std::abs(place.x - other.x) < merge && std::abs(place.y - other.y) < merge) return;
+  }
+  place = reader_.wrap(place);
+  if (!reader_.inside(place.x, place.y)) return;
+  const float w = in_.swatch.tileable ? static_cast<float>(in_.swatch.width) : 0;
+  const float h = in_.swatch.tileable ? static_cast<float>(in_.swatch.height) : 0;
+  for (const vec2& other : scratch.candidates) {
+    if (distanceAround(place.x, other.x, w) < merge &&
+        distanceAround(place.y, other.y, h) < merge) {
+      return;
+    }
+  }
+  scratch.candidates.push_back(place);
+}
+
+// Terms and predictions of scratch.near.
+void MatchingLevel::addTerms(const MatchSite& from, MatchScratch& scratch) const {
+  for (std::size_t begin = 0; begin < scratch.near.size(); begin += SiteBlock::kSize) {
+    const std::size_t count = std::min(SiteBlock::kSize, scratch.near.size() - begin);
+    const MatchSite* const* near = scratch.near.data() + begin;
+    for (std::size_t a = 0; a < count; ++a) store(*near[a], scratch.block, a);
+    fillOffsets(from, pixelsPerUnit_, count, scratch.block);
+    for (std::size_t a = 0; a < count; ++a) {
+      const vec2 offset(scratch.block.x[a], scratch.block.y[a]);
+      if (!(offset.x == offset.x)) continue;
+      addCandidate(near[a]->place - offset, scratch);
+      if (!(std::abs(offset.x) <= reach_ && std::abs(offset.y) <= reach_)) continue;
+      scratch.offsets.push_back(offset);
+      scratch.colours.push_back(toFloat4(near[a]->colour));
+    }
+  }
+}
+
+void MatchingLevel::gather(Index i, MatchScratch& scratch) const {
+  scratch.offsets.clear();
+  scratch.colours.clear();
+  scratch.candidates.clear();
+  scratch.near.clear();
+  const auto ids = in_.neighborhoods.of(i);
+  for (Index j : ids) {
+    if (sites_[j].known) scratch.near.push_back(&sites_[j]);
+  }
+  addTerms(sites_[i], scratch);
+  scratch.fineTerms = scratch.offsets.size();
+  if (in_.coarse == nullptr) return;
+  // All distinct parents of the neighbourhood, nearest first; their colours are finished.
+  scratch.near.clear();
+  const auto addParent = [&](Index parent) {
+    const MatchSite* site = &in_.coarse->sites_[parent];
+    if (std::find(scratch.near.begin(), scratch.near.end(), site) == scratch.near.end()) {
+      scratch.near.push_back(site);
+    }
+  };
+  addParent(in_.parent[i]);
+  for (Index j : ids) addParent(in_.parent[j]);
+  addTerms(sites_[i], scratch);
+}
+
+// Sum over terms of squared differences; infinite where a term falls outside, anything above
+// `bound` when it exceeds that.
+float MatchingLevel::errorAt(vec2 place, float bound, const MatchScratch& scratch) const {
+  if (!reader_.inside(place.x, place.y)) return kInfinity;
+  const bool bounded = !in_.swatch.tileable;
+  const std::size_t fine = scratch.fineTerms, count = scratch.offsets.size();
+  const auto add = [&](const TexelReader& reader, std::size_t begin, std::size_t end, float sum) {
+    constexpr std::size_t kStride = 8;  // terms between two looks at the bound
+    while (begin < end) {
+      Float4 squares{0, 0, 0, 0};
+      const std::size_t stop = std::min(end, begin + kStride);
+      for (; begin < stop; ++begin) {
+        const vec2 at = place + scratch.offsets[begin];
+        if (bounded && !reader.inside(at.x, at.y)) return kInfinity;
+        const Float4 d = reader.read(at.x, at.y) - scratch.colours[begin];
+        squares += d * d;
+      }
+      sum += sumOf(squares);
+      if (sum > bound) break;
+    }
+    return sum;
+  };
+  const float sum = add(reader_, 0, fine, 0);
+  return fine == count || sum > bound ? sum : add(*coarseReader_, fine, count, sum);
+}
+
+// Downhill from a whole pixel in steps of 1/2, 1/4 and 1/8.
+void MatchingLevel::refine(vec2& place, float& error, const MatchScratch& scratch) const {
+  constexpr vec2 kWays[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  for (float step = 0.5f; step >= 0.125f; step *= 0.5f) {
+    const vec2 centre = place;
+    for (const vec2& way : kWays) {
+      const vec2 moved = centre + way * step;
+      const float there = errorAt(moved, error, scratch);
+      if (there < error) {
+        error = there;
+        place = moved;
+      }
+    }
+  }
+}
+
+bool MatchingLevel::searchEverywhere(MatchScratch& scratch, vec2& place) const {
+  scratch.search.clear();
+  for (std::size_t t = 0; t < scratch.offsets.size(); ++t) {
+    const Float4 c = scratch.colours[t];
+    scratch.search.push_back(
+        {scratch.offsets[t], {c[0], c[1], c[2]}, t < scratch.fineTerms ? 0 : 1});
+  }
+  const SearchResult result = search_->search(scratch.search);
+  place = result.texel - 0.5f;
+  return result.found;
+}
+
+vec2 MatchingLevel::randomPlace(Index i, std::uint64_t salt) const {
+  const auto w = static_cast<std::uint64_t>(in_.swatch.width);
+  const std::size_t pixels = in_.swatch.pixels();
+  std::uint64_t pixel = 0;
+  for (int attempt = 0; attempt < kPlacesTried; ++attempt) {
+    pixel = hashBelow(pixels, in_.seed, i, salt, static_cast<std::uint64_t>(attempt));
+    if (in_.swatch.opaque[pixel]) break;
+  }
+  while (!in_.swatch.opaque[pixel]) pixel = (pixel + 1) % pixels;
+  return {static_cast<float>(pixel % w), static_cast<float>(pixel / w)};
+}
+
+MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch& scratch) const {
+  gather(i, scratch);
+  if (scratch.offsets.empty() && scratch.candidates.empty()) return {randomPlace(i, 0)};
+  MatchChoice choice;
+  float best = kInfinity;
+  if (rules.coherent) {
+    for (const vec2& candidate : scratch.candidates) {
+      const float error = errorAt(candidate, best, scratch);
+      if (error < best) {
+        best = error;
+        choice.place = candidate;
+      }
+    }
+  }
+  if (search_ && (rules.exhaustive || best == kInfinity)) {
+    choice.searched = true;
+    vec2 place;
+    if (searchEverywhere(scratch, place)) {
+      float error = errorAt(place, kInfinity, scratch);
+      if (rules.subPixel) refine(place, error, scratch);
+      if (best == kInfinity || error * rules.bonus < best) {
+        best = error;
+        choice.place = reader_.wrap(place);
+      }
+    }
+  }
+  if (best == kInfinity) {
+    // No place takes all terms: prefer a prediction that is at least inside.
+    choice.place = scratch.candidates.empty() ? randomPlace(i, 0) : scratch.candidates.front();
+    best = 0;
+  }
+  const auto samples = static_cast<float>(3 * std::max<std::size_t>(1, scratch.offsets.size()));
+  choice.error = best / samples;
+  return choice;
+}
+
+void MatchingLevel::set(Index i, vec2 place) {
+  MatchSite& site = sites_[i];
+  const Float4 colour = reader_.read(place.x, place.y);
+  site.place = place;
+  site.colour = {colour[0], colour[1], colour[2]};
+  site.known = true;
+}
+
+}  // namespace dapple
