@@ -147,18 +147,4 @@ ChartPoint ChartFit::average() const {
   return out;
 }
 
-TangentFrame orthonormalFrame(const vec3& n, const vec3& t) {
-  TangentFrame frame;
-  frame.n = n * (1 / glm::length(n));
-  vec3 flat = t - frame.n * glm::dot(frame.n, t);
-  const float length2 = glm::dot(flat, flat);
-  if (!(length2 > 1e-12f * glm::dot(t, t))) {
-    const vec3 axis = std::abs(frame.n.x) < 0.6f ? vec3(1, 0, 0) : vec3(0, 1, 0);
-    flat = axis - frame.n * glm::dot(frame.n, axis);
-  }
-  frame.t = flat * (1 / glm::length(flat));
-  frame.s = glm::cross(frame.t, frame.n);
-  return frame;
-}
-
 }  // namespace dapple

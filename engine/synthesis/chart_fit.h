@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "points/point_set.h"
+#include "points/tangent_frames.h"
 #include "synthesis/synthesis_input.h"
 
 namespace dapple {
@@ -61,9 +61,5 @@ class ChartFit {
   std::vector<float> weight_;
   mutable std::vector<float> apart_, turned_;  // average()'s own
 };
-
-// Right-handed orthonormal axes, n exactly along the given one, t as near to the given one as can
-// be; any t when that is along n.
-TangentFrame orthonormalFrame(const vec3& n, const vec3& t);
 
 }  // namespace dapple

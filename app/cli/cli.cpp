@@ -1,0 +1,102 @@
+#include "app/cli/cli.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+#include "app/cli/progress_printer.h"
+#include "base/errors.h"
+
+namespace dapple {
+namespace {
+
+constexpr int kBug = 1, kBadInput = 2, kStopped = 130;
+
+// Turns Ctrl-C into a stop request. A thread waits for the signal, so that nothing has to be done
+// inside a handler; a second Ctrl-C ends the program at once.
+class InterruptWatch {
+ public:
+  explicit InterruptWatch(std::stop_source& stop) {
+    sigemptyset(&signals_);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR2}) sigaddset(&signals_, signal);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    thread_ = std::jthread([this, &stop] {
+      for (int count = 0;; ++count) {
+        int signal = 0;
+        sigwait(&signals_, &signal);
+        if (signal == SIGUSR2) return;  // our own: the work is done
+        if (count > 0) _exit(kStopped);
+        stop.request_stop();
+      }
+    });
+  }
+  ~InterruptWatch() { pthread_kill(thread_.native_handle(), SIGUSR2); }
+
+ private:
+  sigset_t signals_;
+  std::jthread thread_;
+};
+
+int report(int code, const char* prefix, const char* text) {
+  std::fprintf(stderr, "dapple: %s%s\n", prefix, text);
+  return code;
+}
+
+void runCommand(const Subcommand& command) {
+  std::stop_source stop;
+  const InterruptWatch watch(stop);
+  ProgressPrinter printer(progressStyle(*command.common));
+  Workers workers(static_cast<unsigned>(command.common->threads));
+  Monitor monitor(workers, stop.get_token(),
+                  {.progress = [&](const Progress& progress) { printer.show(progress); }});
+  command.run(monitor);
+}
+
+}  // namespace
+
+void addCommonOptions(CLI::App& app, CommonOptions& common, bool withThreads) {
+  if (withThreads)
+    app.add_option("--threads", common.threads, "threads to work with, 0 for one a processor")
+        ->check(CLI::Range(0, 256))
+        ->capture_default_str();
+  app.add_flag("--quiet", common.quiet, "no progress and no summary");
+  app.add_option("--progress", common.progress, "auto|bar|lines|json, on standard error")
+      ->capture_default_str();
+}
+
+int runCommandLine(int argc, char** argv) {
+  CLI::App app{"Dapple textures point-sampled scans by example.", "dapple"};
+  app.set_version_flag("--version", DAPPLE_VERSION);
+  app.require_subcommand(1);
+  std::vector<CommonOptions> common(4);
+  const std::vector<Subcommand> commands{
+      addTextureCommand(app, common[0]), addInfoCommand(app, common[1]),
+      addRenderCommand(app, common[2]), addScoreCommand(app, common[3])};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadInput;
+  }
+  try {
+    for (const Subcommand& command : commands)
+      if (command.app->parsed()) runCommand(command);
+    return 0;
+  } catch (const Cancelled&) {
+    return report(kStopped, "stopped; nothing was written", "");
+  } catch (const InvalidInput& error) {
+    return report(kBadInput, "", error.what());
+  } catch (const IoError& error) {
+    return report(kBadInput, "", error.what());
+  } catch (const std::bad_alloc&) {
+    return report(kBadInput, "",
+                  "not enough memory for this scan; close other programs or thin it");
+  } catch (const std::exception& error) {
+    return report(kBug, "this is a bug in Dapple, please report it: ", error.what());
+  }
+}
+
+}  // namespace dapple

@@ -1,0 +1,39 @@
+// The command line: one function a subcommand, one place that turns errors into exit codes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "base/monitor.h"
+
+namespace dapple {
+
+enum class ProgressStyle { Auto, Bar, Lines, Json, Quiet };
+
+// What every subcommand that works on a scan can be told.
+struct CommonOptions {
+  int threads = 0;
+  bool quiet = false;
+  std::string progress = "auto";
+};
+
+// A subcommand registers itself and its options, and returns what to run when it was chosen.
+using Command = std::function<void(Monitor&)>;
+struct Subcommand {
+  CLI::App* app = nullptr;
+  const CommonOptions* common = nullptr;
+  Command run;
+};
+Subcommand addTextureCommand(CLI::App& app, CommonOptions& common);
+Subcommand addInfoCommand(CLI::App& app, CommonOptions& common);
+Subcommand addRenderCommand(CLI::App& app, CommonOptions& common);
+Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
+
+// --threads (unless the options table has it), --quiet and --progress.
+void addCommonOptions(CLI::App& app, CommonOptions& common, bool withThreads);
+
+// Exit code: 0 done; 1 a bug in Dapple; 2 bad input or a file that cannot be read or written;
+// 130 stopped by Ctrl-C.
+int runCommandLine(int argc, char** argv);
+
+}  // namespace dapple

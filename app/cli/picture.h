@@ -1,0 +1,35 @@
+// Points to a picture without a display.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "app/render/views.h"
+#include "points/point_set.h"
+#include "swatch/image.h"
+
+namespace dapple {
+
+struct PictureOptions {
+  std::string view = "front";
+  std::optional<vec3> eye, target;  // model coordinates; in place of a view when both are there
+  int width = 1280, height = 720;
+  bool zUp = false;  // the scan's z axis points up, not y
+  bool shading = false;
+  View show = View::Colour;
+};
+
+// What the picture shows: columns of n elements.
+struct PictureInput {
+  const PointSet& points;                  // with normals
+  const std::vector<float>& localSpacing;  // local units
+  const ViewColumns& columns;
+};
+
+// Throws InvalidInput (a view whose column is not there, a size out of range).
+Image drawPicture(const PictureInput& input, const PictureOptions& options);
+
+// "1280x720". Throws InvalidInput.
+void parseSize(const std::string& text, PictureOptions& options);
+
+}  // namespace dapple

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <sstream>
+
+#include "app/cli/cli.h"
+#include "app/cli/picture.h"
+#include "base/errors.h"
+#include "document/texture_job.h"
+#include "document/textured_scan.h"
+#include "io/image_io.h"
+
+namespace dapple {
+namespace {
+
+constexpr int kNeighbours = 16;
+constexpr float kPlainGrey = 0.7f;  // of a scan without colours
+
+struct RenderArguments {
+  std::string scan, output, size = "1280x720", show = "colour";
+  std::vector<float> eye, target;
+  PictureOptions picture;
+};
+
+std::optional<vec3> toVector(const std::vector<float>& numbers) {
+  if (numbers.size() != 3) return std::nullopt;
+  return vec3(numbers[0], numbers[1], numbers[2]);
+}
+
+void runRender(RenderArguments& a, Monitor& monitor) {
+  parseSize(a.size, a.picture);
+  a.picture.show = viewNamed(a.show);
+  a.picture.eye = toVector(a.eye);
+  a.picture.target = toVector(a.target);
+  PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
+  PointSet& points = prepared.scan.points;
+  if (points.colours.empty()) {
+    points.colours.assign(points.size(), vec3(kPlainGrey));
+    a.picture.shading = true;  // flat grey would show nothing of the shape
+  }
+  const SourceMap map = readSourceMap(prepared.scan).value_or(SourceMap{});
+  const ViewColumns columns{.colours = points.colours,
+                            .normals = points.normals,
+                            .state = map.state,
+                            .patch = map.patch,
+                            .error = map.error,
+                            .order = map.order};
+  monitor.begin(Stage::Render, 0);
+  writeImage(a.output, drawPicture({.points = points,
+                                    .localSpacing = localSpacing(prepared.neighborhoods),
+                                    .columns = columns},
+                                   a.picture));
+}
+
+}  // namespace
+
+Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
+  CLI::App* sub = app.add_subcommand("render", "Draw a scan into a picture, without a display.");
+  auto a = std::make_shared<RenderArguments>();
+  sub->add_option("scan", a->scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
+  sub->add_option("-o,--output", a->output, "image to write")->required();
+  sub->add_option("--size", a->size, "WIDTHxHEIGHT, 1 to 8192 pixels each")->capture_default_str();
+  sub->add_option("--view", a->picture.view, "front|back|left|right|top|iso")
+      ->capture_default_str();
+  auto* eye = sub->add_option("--eye", a->eye, "x,y,z: where to look from, in place of --view")
+                  ->delimiter(',')
+                  ->expected(3);
+  auto* target =
+      sub->add_option("--target", a->target, "x,y,z: where to look")->delimiter(',')->expected(3);
+  eye->needs(target);
+  target->needs(eye);
+  sub->add_option("--show", a->show,
+                  "colour|normals|state|patch|distortion|order; the last four need a scan that was "
+                  "saved with --source-map")
+      ->capture_default_str();
+  sub->add_flag("--shading", a->picture.shading, "light the picture");
+  sub->add_flag("--z-up", a->picture.zUp, "the scan's z axis points up");
+  addCommonOptions(*sub, common, true);
+  return {sub, &common, [a](Monitor& monitor) { runRender(*a, monitor); }};
+}
+
+}  // namespace dapple

@@ -1,0 +1,29 @@
+// Results as JSON: keys are stable, README lists them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "document/texture_job.h"
+
+namespace dapple {
+
+nlohmann::ordered_json scoreJson(const TextureScore& score);
+
+struct ReportInput {
+  const PreparedScan& prepared;
+  const TexturedPoints& textured;
+  const TextureOptions& options;
+  unsigned threads = 1;
+  double saveSeconds = 0;
+  const std::optional<TextureScore>& score;
+};
+nlohmann::ordered_json reportJson(const ReportInput& input);
+
+// Points per second of all stages but load and save.
+double pointsPerSecond(const PreparedScan& prepared, const TexturedPoints& textured);
+
+// Writes text beside `path` and renames it into place. Throws IoError.
+void writeTextFile(const std::string& path, const std::string& text);
+
+}  // namespace dapple

@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "app/cli/cli.h"
+#include "app/cli/picture.h"
+#include "app/cli/report.h"
+#include "base/errors.h"
+#include "document/options_table.h"
+#include "document/textured_scan.h"
+#include "io/image_io.h"
+
+namespace dapple {
+namespace {
+
+struct TextureArguments {
+  std::string scan, swatch, output, report, picture, view = "front", size = "1280x720",
+                                                     show = "colour";
+  TextureOptions options;
+  LoadOptions load;
+  ExportOptions exported;
+  bool ascii = false, zUp = false, shading = false, score = false;
+};
+
+// One flag or option for each row of the table, so that help, ranges and behaviour cannot differ.
+void addTableOptions(CLI::App& app, TextureArguments& arguments) {
+  for (const OptionRow& row : optionsTable()) {
+    const std::string name = "--" + std::string(row.name);
+    const std::string standard = optionText(TextureOptions{}, row);
+    auto set = [&arguments, &row](const std::string& value) {
+      setOption(arguments.options, row, value);
+      return true;
+    };
+    if (row.choices == "yes|no") {
+      const std::string flag = name + ",!--no-" + std::string(row.name);
+      app.add_flag_function(
+          flag, [set](std::int64_t count) { set(count > 0 ? "yes" : "no"); },
+          fmt::format("{} [{}]", row.help, standard == "yes" ? "on" : "off"));
+      continue;
+    }
+    app.add_option_function<std::string>(name, set, fmt::format("{} [{}]", row.help, standard))
+        ->type_name(optionRange(row));
+  }
+}
+
+void addFileOptions(CLI::App& app, TextureArguments& a) {
+  app.add_option("scan", a.scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
+  app.add_option("--swatch", a.swatch, "sample image, 2 to 16384 pixels a side")->required();
+  app.add_option("-o,--output", a.output, "textured scan to write (PLY)")->required();
+  app.add_option("--samples", a.load.samples,
+                 "spread this many points evenly over a mesh in place of its vertices");
+  app.add_flag("--ascii", a.ascii, "write the PLY as text");
+  app.add_flag("--source-map", a.exported.sourceMap,
+               "also write swatch, texel, frame, patch, state, error and order of every point");
+  app.add_flag("--keep-colours", a.exported.keepColours,
+               "keep the scan's own colours as original_red, original_green, original_blue");
+  app.add_option("--report", a.report, "write figures and score as JSON");
+  app.add_flag("--score", a.score, "measure and print the score (with --report always)");
+  app.add_option("--picture", a.picture, "also draw the result into this image");
+  app.add_option("--view", a.view, "of the picture: front|back|left|right|top|iso")
+      ->capture_default_str();
+  app.add_option("--size", a.size, "of the picture, WIDTHxHEIGHT")->capture_default_str();
+  app.add_option("--show", a.show, "in the picture: colour|normals|state|patch|distortion|order")
+      ->capture_default_str();
+  app.add_flag("--z-up", a.zUp, "the scan's z axis points up: for the picture, and --up 0,0,1");
+  app.add_flag("--shading", a.shading, "light the picture");
+}
+
+void drawResult(const TextureArguments& a, const PreparedScan& prepared,
+                const TexturedPoints& textured) {
+  PictureOptions options{
+      .view = a.view, .zUp = a.zUp, .shading = a.shading, .show = viewNamed(a.show)};
+  parseSize(a.size, options);
+  const ViewColumns columns{.colours = textured.map.colour,
+                            .normals = prepared.scan.points.normals,
+                            .state = textured.map.state,
+                            .patch = textured.map.patch,
+                            .error = textured.map.error,
+                            .order = textured.map.order};
+  writeImage(a.picture, drawPicture({.points = prepared.scan.points,
+                                     .localSpacing = localSpacing(prepared.neighborhoods),
+                                     .columns = columns},
+                                    options));
+}
+
+void printSummary(const TextureArguments& a, const PreparedScan& prepared,
+                  const TexturedPoints& textured, const std::optional<TextureScore>& score) {
+  const Scan& scan = prepared.scan;
+  fmt::print("{} points textured at {:.0f} k points/s", scan.points.size(),
+             pointsPerSecond(prepared, textured) / 1e3);
+  if (textured.statistics.patches > 0)
+    fmt::print("; {} patches, {:.1f} % gaps", textured.statistics.patches,
+               textured.statistics.gapShare * 100);
+  if (score) fmt::print("; score F {:.2f}", score->F);
+  fmt::print("\n");
+  if (prepared.normalsMade) fmt::print("no normals in the scan: estimated\n");
+  if (scan.duplicates > 0 || scan.nonFinite > 0)
+    fmt::print("set aside: {} duplicate and {} non-finite points\n", scan.duplicates,
+               scan.nonFinite);
+  for (const std::string& path : {a.output, a.picture, a.report})
+    if (!path.empty()) fmt::print("{}\n", path);
+}
+
+void runTexture(TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
+  if (a.zUp && a.options.up == TextureOptions{}.up) a.options.up = vec3(0, 0, 1);
+  validate(a.options);
+  PictureOptions checked;
+  parseSize(a.size, checked);
+  viewNamed(a.show);
+  const Swatch swatch =
+      makeSwatch(readImage(a.swatch), a.options.tileable, stackLevels(a.options), a.swatch);
+  const PreparedScan prepared = prepareScan(a.scan, a.load, a.options.neighbours, monitor);
+  const TexturedPoints textured = texturePoints(prepared, swatch, a.options, monitor);
+  std::optional<TextureScore> score;
+  if (a.score || !a.report.empty())
+    score = scorePoints(prepared,
+                        {.colours = textured.map.colour,
+                         .swatch = swatch,
+                         .unit = textured.map.scale,
+                         .map = &textured.map,
+                         .frames = &textured.frames},
+                        monitor);
+  if (!a.picture.empty()) {
+    monitor.begin(Stage::Render, 0);
+    drawResult(a, prepared, textured);
+  }
+  const auto saving = std::chrono::steady_clock::now();
+  savePly(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
+  const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
+  if (!a.report.empty())
+    writeTextFile(a.report, reportJson({.prepared = prepared,
+                                        .textured = textured,
+                                        .options = a.options,
+                                        .threads = monitor.workers().threads(),
+                                        .saveSeconds = saved.count(),
+                                        .score = score})
+                                    .dump(2) +
+                                "\n");
+  if (!common.quiet) printSummary(a, prepared, textured, score);
+}
+
+}  // namespace
+
+Subcommand addTextureCommand(CLI::App& app, CommonOptions& common) {
+  CLI::App* sub = app.add_subcommand("texture", "Colour every point of a scan from a swatch.");
+  auto arguments = std::make_shared<TextureArguments>();
+  addFileOptions(*sub, *arguments);
+  addTableOptions(*sub, *arguments);
+  addCommonOptions(*sub, common, false);
+  sub->parse_complete_callback(
+      [arguments, &common] { common.threads = arguments->options.threads; });
+  return {sub, &common,
+          [arguments, &common](Monitor& monitor) { runTexture(*arguments, common, monitor); }};
+}
+
+}  // namespace dapple

@@ -1,0 +1,119 @@
+#include "document/texture_job.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/errors.h"
+#include "document/options_table.h"
+#include "points/normals.h"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kNormalNeighbours = 16;
+constexpr std::size_t kScoreNeighbours = 16;
+constexpr int kFilterLevels = 4;  // of the swatch's stack, for points sparser than its pixels
+
+class Stopwatch {
+ public:
+  // Seconds since the last call.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Vertices that no triangle touches take the mean of their neighbours' normals.
+void fillMissing(const Neighborhoods& neighborhoods, std::vector<vec3>& normals) {
+  const std::vector<vec3> known = normals;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (known[i] != vec3(0)) continue;
+    vec3 sum(0);
+    for (const Index j : neighborhoods.of(i)) sum += known[j];
+    const float length = glm::length(sum);
+    normals[i] = length > 0 ? sum / length : vec3(0, 0, 1);
+  }
+}
+
+void makeNormals(Scan& scan, const Neighborhoods& neighborhoods, Monitor& monitor) {
+  PointSet& points = scan.points;
+  if (!scan.mesh.triangles.empty()) {
+    points.normals = vertexNormals(points.positions, scan.mesh);
+    const auto missing =
+        static_cast<std::size_t>(std::count(points.normals.begin(), points.normals.end(), vec3(0)));
+    if (missing < points.size() / 2) return fillMissing(neighborhoods, points.normals);
+  }
+  points.normals = estimateNormals(points.positions, neighborhoods, kNormalNeighbours, monitor);
+  orientNormals(points.positions, neighborhoods, points.normals, monitor);
+}
+
+}  // namespace
+
+PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
+                         int neighbours, Monitor& monitor) {
+  Stopwatch watch;
+  PreparedScan out;
+  out.scan = loadScan(path, options, monitor);
+  out.seconds.load = watch.lap();
+  out.neighborhoods =
+      buildNeighborhoods(out.scan.points.positions, static_cast<std::size_t>(neighbours), monitor);
+  out.spacing = static_cast<float>(meanSpacing(out.neighborhoods));
+  out.seconds.neighbours = watch.lap();
+  monitor.begin(Stage::Normals, out.scan.points.size());
+  out.normalsMade = out.scan.points.normals.empty();
+  if (out.normalsMade) makeNormals(out.scan, out.neighborhoods, monitor);
+  out.seconds.normals = watch.lap();
+  return out;
+}
+
+TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
+                             const TextureOptions& options, Monitor& monitor) {
+  validate(options);
+  Stopwatch watch;
+  const PointSet& points = prepared.scan.points;
+  TexturedPoints out;
+  out.frames = options.randomDirections ? randomFrames(points, options.seed)
+                                        : framesTowards(points, options.up);
+  const float unit = prepared.spacing * static_cast<float>(options.scale);
+  const SynthesisInput input{.points = points,
+                             .neighborhoods = prepared.neighborhoods,
+                             .swatch = swatch,
+                             .frames = out.frames,
+                             .unit = unit};
+  SynthesisResult result = synthesize(input, options, monitor);
+  out.map = std::move(result.map);
+  out.statistics = result.statistics;
+  out.seconds = watch.lap();
+  return out;
+}
+
+int stackLevels(const TextureOptions& options) {
+  return std::max(options.levels, kFilterLevels);
+}
+
+TextureScore scorePoints(const PreparedScan& prepared, const ScoreRequest& request,
+                         Monitor& monitor) {
+  const PointSet& points = prepared.scan.points;
+  Neighborhoods more;
+  if (prepared.neighborhoods.k < kScoreNeighbours)
+    more = buildNeighborhoods(points.positions, kScoreNeighbours, monitor);
+  std::vector<vec3> directions;
+  if (request.frames)
+    for (const TangentFrame& frame : *request.frames) directions.push_back(frame.t);
+  monitor.begin(Stage::Score, 0);
+  return scoreTexture({.points = points,
+                       .neighborhoods = more.k > 0 ? more : prepared.neighborhoods,
+                       .colours = request.colours,
+                       .swatch = request.swatch,
+                       .unit = request.unit,
+                       .map = request.map,
+                       .directions = request.frames ? &directions : nullptr},
+                      {}, monitor);
+}
+
+}  // namespace dapple

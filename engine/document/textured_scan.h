@@ -1,0 +1,26 @@
+// A synthesis as columns of the scan's own file, and back.
+#pragma once
+
+#include <optional>
+
+#include "io/point_io.h"
+#include "synthesis/source_map.h"
+
+namespace dapple {
+
+struct ExportOptions {
+  bool sourceMap = false;    // also swatch, texel_x, texel_y, frame, patch, state, error, order
+  bool keepColours = false;  // the scan's own colours stay, as original_red ...
+};
+
+// scan.table with the result's colours (red green blue, 8 bits) and the unit in a comment. Records
+// that were set aside are black when they have no position, else coloured as their twin.
+RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOptions& options);
+
+// What a file that texturedTable() wrote says of the scale: local units per swatch pixel.
+std::optional<float> readUnit(const Scan& scan);
+
+// The source map of a file that was written with one.
+std::optional<SourceMap> readSourceMap(const Scan& scan);
+
+}  // namespace dapple

@@ -1,0 +1,63 @@
+#include "synthesis/synthesis.h"
+
+#include <algorithm>
+
+#include "synthesis/baselines.h"
+#include "synthesis/neighborhood_matching.h"
+#include "synthesis/patch_parameterization.h"
+
+namespace dapple {
+namespace {
+
+PatchOptions patchOptions(const TextureOptions& options) {
+  return {.distortion = static_cast<float>(options.distortion),
+          .sizeLimit = static_cast<float>(options.sizeLimit),
+          .seed = options.seed};
+}
+
+MatchingOptions matchingOptions(const TextureOptions& options) {
+  return {.coherent = options.coherent, .levels = options.levels, .seed = options.seed};
+}
+
+void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistics& statistics) {
+  statistics.patches = patches.patches;
+  statistics.gapShare = static_cast<double>(patches.gapPoints) / static_cast<double>(points);
+  statistics.meanDistortion = patches.meanDistortion;
+  statistics.maxDistortion = patches.maxDistortion;
+}
+
+}  // namespace
+
+SynthesisResult synthesize(const SynthesisInput& input, const TextureOptions& options,
+                           Monitor& monitor) {
+  const std::size_t n = input.points.size();
+  monitor.begin(Stage::Synthesis, n);
+  SynthesisResult result{.map = emptySourceMap(n, input.unit)};
+  SourceMap& map = result.map;
+  switch (options.method) {
+    case Method::Hybrid: {
+      note(growPatches(input, patchOptions(options), map, monitor), n, result.statistics);
+      blendGaps(input, map, monitor);
+      break;
+    }
+    case Method::Patches:
+      note(growPatches(input, patchOptions(options), map, monitor), n, result.statistics);
+      blendGaps(input, map, monitor);
+      break;
+    case Method::Match:
+      map.frame = input.frames;
+      matchNeighborhoods(input, matchingOptions(options), map, monitor);
+      break;
+    case Method::Triplanar:
+      projectTriplanar(input, map, monitor);
+      break;
+    case Method::Random:
+      scatterTexels(input, options.seed, map, monitor);
+      break;
+  }
+  const auto matched = std::count(map.state.begin(), map.state.end(), PointState::Matched);
+  result.statistics.matchedShare = static_cast<double>(matched) / static_cast<double>(n);
+  return result;
+}
+
+}  // namespace dapple

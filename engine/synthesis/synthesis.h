@@ -1,0 +1,28 @@
+// One door to all methods: whatever colours a region comes in here and leaves a source map.
+#pragma once
+
+#include "base/monitor.h"
+#include "synthesis/source_map.h"
+#include "synthesis/synthesis_input.h"
+#include "synthesis/texture_options.h"
+
+namespace dapple {
+
+struct SynthesisStatistics {
+  std::size_t patches = 0;
+  double gapShare = 0;                           // of all points: not flattened by growth
+  double matchedShare = 0;                       // of all points: coloured by matching
+  double meanDistortion = 0, maxDistortion = 0;  // D over patch points
+};
+
+struct SynthesisResult {
+  SourceMap map;
+  SynthesisStatistics statistics;
+};
+
+// Colours every point. Progress counts points. The same bytes at any number of threads. Throws
+// InvalidInput, Cancelled.
+SynthesisResult synthesize(const SynthesisInput& input, const TextureOptions& options,
+                           Monitor& monitor);
+
+}  // namespace dapple

@@ -1,0 +1,31 @@
+// What a user may ask of a synthesis. The rows of document/options_table.h name, bound and explain
+// every field.
+#pragma once
+
+#include <cstdint>
+
+#include "swatch/swatch.h"
+
+namespace dapple {
+
+enum class Method { Hybrid, Patches, Match, Triplanar, Random };
+enum class GapFill { Cut, Match };
+
+struct TextureOptions {
+  Method method = Method::Hybrid;
+  int neighbours = 25;
+  int levels = 1;
+  bool coherent = true;
+  double scale = 1;
+  GapFill gaps = GapFill::Cut;
+  bool expand = false;
+  Tileable tileable = Tileable::Auto;
+  vec3 up{0, 1, 0};  // model axes
+  bool randomDirections = false;
+  double distortion = 1.6;
+  double sizeLimit = 0.8;
+  std::uint64_t seed = 1;
+  int threads = 0;
+};
+
+}  // namespace dapple
