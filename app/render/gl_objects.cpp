@@ -56,31 +56,43 @@ GLuint GlBufferTraits::make() {
   glGenBuffers(1, &id);
   return id;
 }
-void GlBufferTraits::destroy(GLuint id) { glDeleteBuffers(1, &id); }
+void GlBufferTraits::destroy(GLuint id) {
+  glDeleteBuffers(1, &id);
+}
 
 GLuint GlVertexArrayTraits::make() {
   GLuint id = 0;
   glGenVertexArrays(1, &id);
   return id;
 }
-void GlVertexArrayTraits::destroy(GLuint id) { glDeleteVertexArrays(1, &id); }
+void GlVertexArrayTraits::destroy(GLuint id) {
+  glDeleteVertexArrays(1, &id);
+}
 
 GLuint GlTextureTraits::make() {
   GLuint id = 0;
   glGenTextures(1, &id);
   return id;
 }
-void GlTextureTraits::destroy(GLuint id) { glDeleteTextures(1, &id); }
+void GlTextureTraits::destroy(GLuint id) {
+  glDeleteTextures(1, &id);
+}
 
 GLuint GlFramebufferTraits::make() {
   GLuint id = 0;
   glGenFramebuffers(1, &id);
   return id;
 }
-void GlFramebufferTraits::destroy(GLuint id) { glDeleteFramebuffers(1, &id); }
+void GlFramebufferTraits::destroy(GLuint id) {
+  glDeleteFramebuffers(1, &id);
+}
 
-GLuint GlProgramTraits::make() { return glCreateProgram(); }
-void GlProgramTraits::destroy(GLuint id) { glDeleteProgram(id); }
+GLuint GlProgramTraits::make() {
+  return glCreateProgram();
+}
+void GlProgramTraits::destroy(GLuint id) {
+  glDeleteProgram(id);
+}
 
 GlProgram::GlProgram(std::span<const GlStage> stages, std::span<const std::string_view> defines) {
   std::vector<GlShader> shaders;

@@ -76,7 +76,8 @@ void drawLegend(Image& picture, const HeatRange& range) {
       canvas.set(canvas.x + kGap * dot + px, canvas.y + kGap * dot + py, colour);
   }
 
-  const std::string low = fmt::format("{:.4g}", range.low), high = fmt::format("{:.4g}", range.high);
+  const std::string low = fmt::format("{:.4g}", range.low),
+                    high = fmt::format("{:.4g}", range.high);
   const int top = kBarHeight + 2 * kGap;
   drawText(canvas, kGap, top, low);
   drawText(canvas, kGap + kBarWidth - textWidth(high), top, high);

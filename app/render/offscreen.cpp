@@ -38,9 +38,8 @@ OffscreenContext::OffscreenContext() : handle_(std::make_unique<Handle>()) {
                             3,
                             0};
   handle_->context = OSMesaCreateContextAttribs(attributes, nullptr);
-  if (handle_->context == nullptr ||
-      OSMesaMakeCurrent(handle_->context, handle_->pixels.data(), GL_UNSIGNED_BYTE, kSide,
-                        kSide) == GL_FALSE)
+  if (handle_->context == nullptr || OSMesaMakeCurrent(handle_->context, handle_->pixels.data(),
+                                                       GL_UNSIGNED_BYTE, kSide, kSide) == GL_FALSE)
     throw std::runtime_error(
         "OSMesa gives no OpenGL 3.3 core context, so no picture can be drawn; install libosmesa6 "
         "22 or newer.");

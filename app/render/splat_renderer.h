@@ -28,8 +28,8 @@ std::vector<float> splatRadii(const std::vector<float>& localSpacing);
 struct SplatOptions {
   bool shading = false;                    // headlight
   glm::vec3 background{1.0f, 1.0f, 1.0f};  // 0..1
-  float lowPass = 1.0f;  // pixels, > 0: radius of the screen-space filter
-  int samples = 1;       // 1..4: a pixel is the mean of samples x samples, for smooth outlines
+  float lowPass = 1.0f;                    // pixels, > 0: radius of the screen-space filter
+  int samples = 1;  // 1..4: a pixel is the mean of samples x samples, for smooth outlines
 };
 
 // Needs the current OpenGL 3.3 core context for its whole life.

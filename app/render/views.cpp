@@ -1,4 +1,5 @@
-// Colours are laid out in CIE 1976 L*a*b* (as lightness, chroma, hue), where equal steps look equal.
+// Colours are laid out in CIE 1976 L*a*b* (as lightness, chroma, hue), where equal steps look
+// equal.
 #include "app/render/views.h"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ constexpr NamedView kViews[] = {
     {"order", View::Order},
 };
 
-constexpr vec3 kUnknown{0.6f, 0.6f, 0.6f};
+constexpr vec3 kUnknown{0.75f, 0.75f, 0.75f};
 constexpr int kHeatSteps = 256;
 
 float decoded(float f) {  // the inverse of L*a*b*'s cube root with its straight piece
@@ -83,7 +84,9 @@ std::vector<vec3> mapped(std::span<const T> column, const Map& map) {
   return colours;
 }
 
-float heatValue(float value) { return value; }
+float heatValue(float value) {
+  return value;
+}
 float heatValue(Index value) {
   return value == kNone ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(value);
 }
@@ -121,10 +124,14 @@ View viewNamed(std::string_view name) {
 
 vec3 stateColour(PointState state) {
   switch (state) {
-    case PointState::Free: return kUnknown;
-    case PointState::Patch: return {0.10f, 0.40f, 0.75f};
-    case PointState::Gap: return {0.95f, 0.58f, 0.05f};
-    case PointState::Matched: return {0.10f, 0.65f, 0.45f};
+    case PointState::Free:
+      return kUnknown;
+    case PointState::Patch:
+      return {0.10f, 0.40f, 0.75f};
+    case PointState::Gap:
+      return {0.95f, 0.58f, 0.05f};
+    case PointState::Matched:
+      return {0.10f, 0.65f, 0.45f};
   }
   return kUnknown;
 }
@@ -150,10 +157,14 @@ ViewColours viewColours(View view, const ViewColumns& columns) {
       return {mapped(known(columns.normals, "normals"),
                      [](const vec3& n) { return 0.5f * n + vec3(0.5f); }),
               {}};
-    case View::State: return {mapped(known(columns.state, "state"), stateColour), {}};
-    case View::Patch: return {mapped(known(columns.patch, "patch"), patchColour), {}};
-    case View::Distortion: return heatMap(known(columns.error, "distortion"));
-    case View::Order: return heatMap(known(columns.order, "order"));
+    case View::State:
+      return {mapped(known(columns.state, "state"), stateColour), {}};
+    case View::Patch:
+      return {mapped(known(columns.patch, "patch"), patchColour), {}};
+    case View::Distortion:
+      return heatMap(known(columns.error, "distortion"));
+    case View::Order:
+      return heatMap(known(columns.order, "order"));
   }
   throw Bug("no such view");
 }

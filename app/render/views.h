@@ -18,12 +18,12 @@ View viewNamed(std::string_view name);
 
 // n elements a column, or none when it is not known (the columns of a SourceMap, borrowed).
 struct ViewColumns {
-  std::span<const vec3> colours;      // 0..1
-  std::span<const vec3> normals;      // unit length
+  std::span<const vec3> colours;  // 0..1
+  std::span<const vec3> normals;  // unit length
   std::span<const PointState> state;
-  std::span<const Index> patch;       // kNone: in no patch
-  std::span<const float> error;       // not finite: not known
-  std::span<const Index> order;       // kNone: never decided
+  std::span<const Index> patch;  // kNone: in no patch
+  std::span<const float> error;  // not finite: not known
+  std::span<const Index> order;  // kNone: never decided
 };
 
 // What the two ends of the heat map's colours stand for.
