@@ -27,6 +27,7 @@ splat;
 const float kDepthOffset = 1.0;  // radii
 const float kSteepest = 4.0;     // slope up to which a pixel's own depth is allowed for
 const float kAmbient = 0.25;
+const float kSlack = 0.0625;     // pixels, for the rasteriser that rounds corners
 
 const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 
@@ -45,8 +46,8 @@ vec4 discBox(vec3 c, vec3 n, float r) {
 }
 
 vec4 withLowPass(vec4 box, vec2 pixel) {
-  vec2 low = min(box.xy - box.zw, pixel - lowPass) - 0.5;
-  vec2 high = max(box.xy + box.zw, pixel + lowPass) + 0.5;
+  vec2 low = min(box.xy - box.zw, pixel - lowPass) - kSlack;
+  vec2 high = max(box.xy + box.zw, pixel + lowPass) + kSlack;
   return vec4(0.5 * (low + high), 0.5 * (high - low));
 }
 
