@@ -293,6 +293,63 @@ TEST_CASE("a surface hides the one behind it") {
   }
 }
 
+TEST_CASE("splats of one rough surface blend, whichever lies a little higher") {
+  for (float higher : {-0.2f, 0.0f, 0.2f}) {  // radii
+    Scene scene;
+    const float spacing = 0.4f, radius = splatRadii({spacing})[0];
+    scene.add({-0.2f, 0, 0}, {0, 0, 1}, vec3(0), spacing);
+    scene.add({0.2f, 0, higher * radius}, {0, 0, 1}, vec3(1), spacing);
+    const Image image = picture(scene, {.eye = {0, 0, 10}, .target = {0, 0, 0}}, 201, 201);
+    CHECK(at(image, 100, 100).r == doctest::Approx(0.5).epsilon(0.1));
+  }
+}
+
+TEST_CASE("hidden edge-on splats do not come through the surface before them") {
+  Scene scene;
+  addSide(scene, kFront, 60, [](vec2) { return vec3(1); });
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const float angle = 6.28f * hashUniform(1, i), tilt = 0.1f * hashUniform(2, i) - 0.05f;
+    const vec3 p(1.6f * hashUniform(3, i) - 0.8f, 1.6f * hashUniform(4, i) - 0.8f, 0.6f);
+    scene.add(p, glm::normalize(vec3(std::cos(angle), std::sin(angle), tilt)), vec3(0), 1e-3f);
+  }
+  const Image image =
+      picture(scene, {.eye = {0, 0, 6}, .target = {0, 0, 0}}, 200, 200, {.lowPass = 1.4f});
+  int dark = 0;
+  for (int y = 60; y < 140; ++y)
+    for (int x = 60; x < 140; ++x) dark += at(image, x, y).r < 0.999f;
+  CHECK(dark == 0);
+}
+
+TEST_CASE("a splat far smaller than a pixel is seen wherever it falls, edge-on too") {
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    Scene scene;
+    scene.add({0.5f * hashUniform(1, i), 0.5f * hashUniform(2, i), 0}, {1, 0, 0}, vec3(0), 1e-4f);
+    const Image image = picture(scene, sphereCamera(), 64, 64);
+    int pixels = 0;
+    for (int k = 0; k < 64 * 64; ++k) pixels += covered(image, k % 64, k / 64);
+    CHECK(pixels >= 1);
+    CHECK(pixels <= 5);
+  }
+}
+
+TEST_CASE("many points in a pixel are averaged") {
+  Scene plane;
+  addSide(plane, kFront, 400, [](vec2 uv) { return vec3(noisy({uv, 0}).r > 0.5f); });
+  // A third of a pixel between points.
+  const Camera camera{.eye = {0, 0, 1 + 1 / std::tan(0.3f)}, .target = {0, 0, 0}};
+  const Image image = picture(plane, camera, 133, 133);
+  double sum = 0, squares = 0;
+  for (int y = 20; y < 113; ++y)
+    for (int x = 20; x < 113; ++x) {
+      const double v = at(image, x, y).r;
+      sum += v / (93 * 93);
+      squares += v * v / (93 * 93);
+    }
+  CHECK(sum == doctest::Approx(0.5).epsilon(0.02));
+  // 0.5 for one point; a third of it for the nine that a pixel owns.
+  CHECK(std::sqrt(squares - sum * sum) < 0.2);
+}
+
 TEST_CASE("a plane seen at a grazing angle keeps its mean colour and has no crack") {
   Scene plane;
   addSide(plane, {vec3(1, 0, 0), vec3(0, 0, -1), vec3(0, 1, 0)}, 200, [](vec2 uv) {
