@@ -13,8 +13,7 @@ in Splat {
 splat;
 
 uniform vec2 focal;
-uniform vec2 centrePixel;
-uniform vec2 tileOrigin;  // of the frame in the picture, pixels
+uniform vec2 tileOrigin;  // of the frame, pixels from the view axis
 uniform vec2 depthRange;
 uniform float lowPass;
 
@@ -24,12 +23,14 @@ layout(location = 0) out vec4 accumulated;
 
 // The Gaussian's exponent at the disc's rim: with radii of 1.2 spacings its standard deviation is
 // half a spacing, which is about as narrow as it can be before the single points show.
-const float kFalloff = 2.9;
+const float kFalloff = 2.5;
+const float kRim = exp(-kFalloff);
+const float kLeast = 1e-3;  // so that a disc alone is seen to its rim
 const float kNever = 1e30;
 
 void main() {
   vec2 pixel = gl_FragCoord.xy + tileOrigin;
-  vec3 ray = vec3((pixel - centrePixel) / focal, -1.0);
+  vec3 ray = vec3(pixel / focal, -1.0);
   float centreDepth = -splat.centre.z;
 
   float along = dot(splat.normal, ray);
@@ -48,7 +49,7 @@ void main() {
 #ifdef VISIBILITY
   depth += splat.offset;
 #else
-  accumulated = vec4(splat.colour, 1.0) * exp(-kFalloff * d);
+  accumulated = vec4(splat.colour, 1.0) * max(exp(-kFalloff * d) - kRim, kLeast);
 #endif
   gl_FragDepth = clamp((depth - depthRange.x) / (depthRange.y - depthRange.x), 0.0, 1.0);
 }

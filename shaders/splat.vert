@@ -1,5 +1,5 @@
 // One splat a vertex: into view space, its rectangle in the picture, and what its fragments share.
-// Pixels are those of the whole picture, lower left corner (0, 0); a frame may draw a tile of it.
+// Pixels are counted from the view axis, upwards and to the right; a frame may draw a tile only.
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;  // (0, 0, 0): faces the eye
@@ -8,7 +8,6 @@ layout(location = 3) in float radius;
 
 uniform mat4 localToView;  // rigid
 uniform vec2 focal;        // pixels
-uniform vec2 centrePixel;  // where the view axis meets the picture
 uniform vec4 viewport;     // lower left corner and size, pixels
 uniform vec2 depthRange;   // near, far
 uniform float lowPass;     // radius, pixels
@@ -28,6 +27,7 @@ splat;
 const float kDepthOffset = 1.0;  // radii
 const float kSteepest = 4.0;     // slope up to which a pixel's own depth is allowed for
 const float kAmbient = 0.25;
+const float kSlack = 0.0625;     // pixels, for the rasteriser that rounds corners
 
 const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 
@@ -42,12 +42,12 @@ vec4 discBox(vec3 c, vec3 n, float r) {
   vec2 e = n.xy + s0 * n.z;
   vec2 b = r * r * (s0 - e * n.z);
   vec2 k = r * r * max(1.0 + s0 * s0 - e * e, 0.0);
-  return vec4(centrePixel + focal * (s0 + b / a), focal * sqrt(b * b + a * k) / a);
+  return vec4(focal * (s0 + b / a), focal * sqrt(b * b + a * k) / a);
 }
 
 vec4 withLowPass(vec4 box, vec2 pixel) {
-  vec2 low = min(box.xy - box.zw, pixel - lowPass) - 0.5;
-  vec2 high = max(box.xy + box.zw, pixel + lowPass) + 0.5;
+  vec2 low = min(box.xy - box.zw, pixel - lowPass) - kSlack;
+  vec2 high = max(box.xy + box.zw, pixel + lowPass) + kSlack;
   return vec4(0.5 * (low + high), 0.5 * (high - low));
 }
 
@@ -67,7 +67,7 @@ void main() {
                  lowPass * pixelSize * min(tilt / max(facing, 1e-3), kSteepest);
   splat.colour = headlight ? colour * mix(kAmbient, 1.0, facing) : colour;
   splat.reach = radius * sqrt(max(1.0 - n.z * n.z, 0.0));
-  splat.pixel = centrePixel + focal * c.xy / -c.z;
+  splat.pixel = focal * c.xy / -c.z;
 
   bool seen = -c.z >= depthRange.x && -c.z <= depthRange.y && radius > 0.0;
   vec4 box = withLowPass(discBox(c, n, radius), splat.pixel);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
 #include <span>
+#include <string>
 
 #include "base/errors.h"
 
@@ -14,6 +16,7 @@ namespace {
 
 constexpr float kMargin = 0.04f;        // of the picture, at each side
 constexpr float kSmallestSize = 1e-4f;  // local units: a single point still gets a picture
+constexpr int kHalvings = 14;           // to a fraction of a pixel
 constexpr float kNearestPlane = 1e-3f;  // of the distance to the far plane
 
 struct NamedView {
@@ -46,7 +49,7 @@ std::vector<vec3> cornersOf(const Bounds& b) {
 
 // Along one axis of the picture (x to the right, z towards the eye, k the frustum's slope) all
 // points are inside when k (ez - z) >= |x - ex|: ex + k ez >= a = max(x + k z) and
-// -ex + k ez >= b = max(-x + k z). The nearest such eye is ez = (a + b) / 2k, ex = (a - b) / 2.
+// -ex + k ez >= b = max(-x + k z). The nearest such eye is at ez = (a + b) / 2k.
 struct Fit {
   float slope;
   float a = -std::numeric_limits<float>::infinity(), b = a;
@@ -56,8 +59,29 @@ struct Fit {
     b = std::max(b, -x + slope * z);
   }
   float distance() const { return (a + b) / (2 * slope); }
-  float shift() const { return (a - b) / 2; }
 };
+
+// The eye is farther than one of the two directions needs: where it makes the picture's two margins
+// equal in that direction too. To the right of that place the left margin is the smaller one.
+vec2 centred(float distance, std::span<const vec3> points) {
+  vec2 low(std::numeric_limits<float>::infinity()), high = -low;
+  for (const vec3& q : points) {
+    low = glm::min(low, vec2(q));
+    high = glm::max(high, vec2(q));
+  }
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    const vec2 eye = 0.5f * (low + high);
+    vec2 first(std::numeric_limits<float>::infinity()), last = -first;
+    for (const vec3& q : points) {
+      const vec2 seen = (vec2(q) - eye) / (distance - q.z);
+      first = glm::min(first, seen);
+      last = glm::max(last, seen);
+    }
+    for (int axis = 0; axis < 2; ++axis)
+      (first[axis] + last[axis] > 0 ? low : high)[axis] = eye[axis];
+  }
+  return 0.5f * (low + high);
+}
 
 Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3> points,
               float aspect) {
@@ -70,15 +94,27 @@ Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3>
   const float slope = std::tan(0.5f * camera.verticalFov) * (1 - 2 * kMargin);
   Fit across{slope * aspect}, upwards{slope};
   float nearest = -std::numeric_limits<float>::infinity(), farthest = -nearest;
+  std::vector<vec3> turned;  // to the right, upwards, towards the eye
+  turned.reserve(points.size());
   for (const vec3& p : points) {
+<<<<<<< HEAD
     const vec3 q{glm::dot(p - centre, right), glm::dot(p - centre, up), glm::dot(p - centre, back)};
+=======
+    const vec3 d = p - centre;
+    const vec3& q = turned.emplace_back(glm::dot(d, right), glm::dot(d, up), glm::dot(d, back));
+>>>>>>> render
     across.add(q.x, q.z);
     upwards.add(q.y, q.z);
     nearest = std::max(nearest, q.z);
     farthest = std::min(farthest, q.z);
   }
   const float distance = std::max({across.distance(), upwards.distance(), nearest + kSmallestSize});
+<<<<<<< HEAD
   const vec3 axis = centre + across.shift() * right + upwards.shift() * up;
+=======
+  const vec2 shift = centred(distance, turned);
+  const vec3 axis = centre + shift.x * right + shift.y * up;
+>>>>>>> render
   camera.eye = axis + distance * back;
   camera.target = axis;
   camera.up = up;

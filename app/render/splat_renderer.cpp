@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -23,8 +22,6 @@ constexpr int kLargestPicture = 16384;
 constexpr int kLargestSamples = 4;
 constexpr int kTile = 2048;            // samples: 150 MB of textures, whatever the picture's size
 constexpr float kLargestSprite = 250;  // pixels; Mesa allows 255
-
-using Names = std::array<std::string_view, 2>;
 
 GlProgram splatProgram(bool sprites, bool visibility) {
   std::vector<GlStage> stages{{GL_VERTEX_SHADER, "splat.vert"}, {GL_FRAGMENT_SHADER, "splat.frag"}};
@@ -134,7 +131,8 @@ void SplatRenderer::Pipeline::drawSplats(const Frame& frame, const Tile& tile,
                                          bool visibility) const {
   const GlProgram& program = splats[frame.sprites][visibility];
   const int samples = frame.options.samples;
-  const glm::vec2 origin(tile.x * samples, tile.y * samples);
+  // From the view axis, so that no rounding depends on the picture's size.
+  const glm::vec2 origin = glm::vec2(tile.x * samples, tile.y * samples) - frame.centre;
   const glm::vec2 size(tile.width * samples, tile.height * samples);
   // A sprite goes with its centre: the viewport reaches beyond the tile by half the largest one.
   const float guard = frame.sprites ? std::ceil(0.5f * largestSprite) : 0.f;
@@ -145,7 +143,6 @@ void SplatRenderer::Pipeline::drawSplats(const Frame& frame, const Tile& tile,
   glUseProgram(program.id());
   glUniformMatrix4fv(program.uniform("localToView"), 1, GL_FALSE, glm::value_ptr(frame.view));
   glUniform2fv(program.uniform("focal"), 1, glm::value_ptr(frame.focal));
-  glUniform2fv(program.uniform("centrePixel"), 1, glm::value_ptr(frame.centre));
   glUniform4fv(program.uniform("viewport"), 1, glm::value_ptr(viewport));
   glUniform2fv(program.uniform("tileOrigin"), 1, glm::value_ptr(origin));
   glUniform2fv(program.uniform("depthRange"), 1, glm::value_ptr(frame.depthRange));

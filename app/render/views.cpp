@@ -25,7 +25,7 @@ constexpr NamedView kViews[] = {
     {"order", View::Order},
 };
 
-constexpr vec3 kUnknown{0.6f, 0.6f, 0.6f};
+constexpr vec3 kUnknown{0.75f, 0.75f, 0.75f};
 constexpr int kHeatSteps = 256;
 
 float decoded(float f) {  // the inverse of L*a*b*'s cube root with its straight piece

@@ -1,0 +1,464 @@
+#include "app/render/splat_renderer.h"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+
+#include "app/render/gl_objects.h"
+#include "app/render/image_compare.h"
+#include "app/render/offscreen.h"
+#include "base/errors.h"
+#include "base/hash_rng.h"
+
+using namespace dapple;
+
+namespace {
+
+constexpr vec3 kBackground{1, 0, 1};
+
+struct Scene {
+  std::vector<vec3> positions, normals, colours;
+  std::vector<float> radii;
+
+  void add(const vec3& position, const vec3& normal, const vec3& colour, float spacing) {
+    positions.push_back(position);
+    normals.push_back(normal);
+    colours.push_back(colour);
+    radii.push_back(splatRadii({spacing})[0]);
+  }
+};
+
+// n points evenly over the unit sphere (Fibonacci lattice), coloured by colour(position).
+template <typename Colour>
+Scene sphere(int n, const Colour& colour) {
+  Scene scene;
+  const float spacing = std::sqrt(4 * std::numbers::pi_v<float> / static_cast<float>(n));
+  for (int i = 0; i < n; ++i) {
+    const double y = 1 - (2.0 * i + 1) / n, r = std::sqrt(1 - y * y);
+    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const vec3 p(r * std::cos(angle), y, r * std::sin(angle));
+    scene.add(p, p, colour(p), spacing);
+  }
+  return scene;
+}
+
+// A square grid over the side of the cube [-1, 1]^3 where `normal` points, with axes s and t.
+template <typename Colour>
+void addSide(Scene& scene, const std::array<vec3, 3>& stn, int n, const Colour& colour) {
+  const float spacing = 2.0f / static_cast<float>(n);
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const vec2 uv((x + 0.5f) * spacing - 1, (y + 0.5f) * spacing - 1);
+      scene.add(uv.x * stn[0] + uv.y * stn[1] + stn[2], stn[2], colour(uv), spacing);
+    }
+}
+constexpr std::array<vec3, 3> kFront{vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)};
+
+struct Studio {
+  OffscreenContext context;
+  SplatRenderer renderer;
+
+  void show(const Scene& s) { renderer.update({s.positions, s.normals, s.colours, s.radii}); }
+};
+
+// One for all tests: shaders take long to compile. Every picture must leave OpenGL without a word.
+Image picture(const Scene& scene, const Camera& camera, int width, int height,
+              SplatOptions options = {.background = kBackground}) {
+  static Studio studio;
+  studio.show(scene);
+  Image image = studio.renderer.draw(camera, width, height, options);
+  for (const std::string& message : takeGlMessages()) FAIL_CHECK(message);
+  return image;
+}
+
+vec3 at(const Image& image, int x, int y) {
+  return {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
+}
+
+bool covered(const Image& image, int x, int y) {
+  return glm::distance(at(image, x, y), kBackground) > 1e-3f;
+}
+
+// Of the unit sphere's outline, pixels.
+float outlineRadius(const Camera& camera, int height) {
+  const float d = glm::length(camera.eye);
+  const float focal = 0.5f * static_cast<float>(height) / std::tan(0.5f * camera.verticalFov);
+  return focal / std::sqrt(d * d - 1);
+}
+
+Camera sphereCamera() {
+  return standardView("front", Bounds{{-1, -1, -1}, {1, 1, 1}}, 1);
+}
+
+vec3 noisy(const vec3& p) {
+  const auto bits = [](float v) {
+    return static_cast<std::uint64_t>(std::lround(v * 1e4f) + 20000);
+  };
+  const std::uint64_t id = bits(p.x) * 40000 + bits(p.y);
+  return {hashUniform(1, id), hashUniform(2, id), hashUniform(3, id)};
+}
+
+std::uint64_t hashOf(const Image& image) {
+  std::uint64_t h = 0;
+  for (float v : image.pixels) h = hashBits(h, std::bit_cast<std::uint32_t>(v));
+  return h;
+}
+
+Image threadsPicture() {
+  return picture(sphere(20000, noisy), sphereCamera(), 320, 240);
+}
+
+}  // namespace
+
+TEST_CASE("a uniform colour comes out as it went in") {
+  for (vec3 c : {vec3(1), vec3(0.2f, 0.5f, 0.7f), vec3(0), vec3(1 / 255.f, 254 / 255.f, 0.999f)}) {
+    const Image image =
+        picture(sphere(5000, [&](vec3) { return c; }), sphereCamera(), 200, 200, {.background = c});
+    float worst = 0;
+    for (int y = 0; y < 200; ++y)
+      for (int x = 0; x < 200; ++x) {
+        const vec3 d = glm::abs(at(image, x, y) - c);
+        worst = std::max({worst, d.r, d.g, d.b});
+        REQUIRE(image.at(x, y, 3) == 1.0f);
+      }
+    CHECK(worst < 1e-5f);
+  }
+}
+
+TEST_CASE("a sphere has no hole from half a pixel to 20 pixels a splat") {
+  constexpr int kPoints = 5000;
+  const float spacing = std::sqrt(4 * std::numbers::pi_v<float> / kPoints);
+  // Behind its horizon the sphere is red: a hole shows it.
+  const Scene scene = sphere(kPoints, [](vec3 p) { return p.z > -0.1f ? vec3(1) : vec3(1, 0, 0); });
+  const Camera camera = sphereCamera();
+  for (float perSplat : {0.5f, 0.8f, 1.3f, 2.0f, 3.7f, 7.0f, 12.0f, 20.0f}) {
+    CAPTURE(perSplat);
+    const int side = static_cast<int>(perSplat / spacing * 200 / outlineRadius(camera, 200));
+    const float radius = outlineRadius(camera, side);
+    const Image image = picture(scene, camera, side, side);
+    int background = 0, back = 0;
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const float r = std::hypot(x + 0.5f - 0.5f * side, y + 0.5f - 0.5f * side);
+        background += r < 0.99f * radius - 1 && !covered(image, x, y);
+        back += r < 0.97f * radius - 1 && at(image, x, y).g < 0.999f;
+      }
+    CHECK(background == 0);
+    CHECK(back == 0);
+  }
+}
+
+TEST_CASE("the outline of a sphere has the area that geometry gives it") {
+  constexpr int kSide = 600;
+  const Camera camera = sphereCamera();
+  const float r = outlineRadius(camera, kSide);
+  for (int n : {3000, 40000}) {
+    const Image image = picture(sphere(n, [](vec3) { return vec3(1); }), camera, kSide, kSide);
+    double area = 0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) area += covered(image, x, y);
+    CHECK(area / (std::numbers::pi * r * r) == doctest::Approx(1).epsilon(0.02));
+  }
+}
+
+TEST_CASE("the front view of a cube shows its +z face, x to the right and y up") {
+  Scene cube;
+  const auto side = [&](vec3 s, vec3 t, vec3 n, vec3 colour) {
+    addSide(cube, {s, t, n}, 40, [&](vec2) { return colour; });
+  };
+  addSide(cube, kFront, 40, [](vec2 uv) { return vec3(uv.x > 0, uv.y > 0, 0.25f); });
+  side({-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, vec3(0.9f));
+  side({0, 0, -1}, {0, 1, 0}, {1, 0, 0}, vec3(0.6f));
+  side({0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, vec3(0.5f));
+  side({1, 0, 0}, {0, 0, -1}, {0, 1, 0}, vec3(0.4f));
+  side({1, 0, 0}, {0, 0, 1}, {0, -1, 0}, vec3(0.3f));
+  const Image front = picture(cube, standardView("front", cube.positions, 1), 200, 200);
+  CHECK(glm::distance(at(front, 50, 50), vec3(0, 1, 0.25f)) < 1e-3f);  // left, above
+  CHECK(glm::distance(at(front, 150, 50), vec3(1, 1, 0.25f)) < 1e-3f);
+  CHECK(glm::distance(at(front, 50, 150), vec3(0, 0, 0.25f)) < 1e-3f);
+  CHECK(glm::distance(at(front, 150, 150), vec3(1, 0, 0.25f)) < 1e-3f);
+
+  const auto middle = [&](const char* view) {
+    return at(picture(cube, standardView(view, cube.positions, 1), 100, 100), 50, 50).r;
+  };
+  CHECK(middle("back") == doctest::Approx(0.9));
+  CHECK(middle("right") == doctest::Approx(0.6));
+  CHECK(middle("left") == doctest::Approx(0.5));
+  CHECK(middle("top") == doctest::Approx(0.4));
+}
+
+TEST_CASE("stripes four spacings wide keep 80 % of their contrast and a sharp edge") {
+  constexpr int kPoints = 96;
+  Scene plane;
+  addSide(plane, kFront, kPoints, [](vec2 uv) {
+    return vec3(static_cast<int>(std::floor((uv.x + 1) / 2 * kPoints / 4)) % 2);
+  });
+  for (int perSpacing : {1, 2, 8}) {
+    CAPTURE(perSpacing);
+    // Head-on, with exactly perSpacing pixels between points.
+    const int side = kPoints * perSpacing;
+    Camera camera{.eye = {0, 0, 1 + 1 / std::tan(0.3f)}, .target = {0, 0, 0}};
+    camera.nearPlane = 1;
+    const Image image = picture(plane, camera, side, side);
+    const int stripe = 4 * perSpacing;
+    double white = 0, black = 0, edges = 0;
+    for (int k = 0; k < kPoints / 4; ++k) {
+      const int x = k * stripe + stripe / 2;
+      const double middle = 0.5 * (at(image, x, side / 2).r + at(image, x - 1, side / 2).r);
+      (k % 2 != 0 ? white : black) += middle / (kPoints / 8);
+    }
+    for (int x = 1; x + 1 < side; ++x) {
+      const float v = at(image, x, side / 2).r;
+      edges += v > 0.1f && v < 0.9f;
+    }
+    CHECK(white - black > 0.95);
+    // From 10 % to 90 % in less than 1.5 spacings, or 2 pixels.
+    CHECK(edges / (kPoints / 4 - 1) < std::max(1.5 * perSpacing, 2.01));
+  }
+}
+
+TEST_CASE("the side of a disc that its normal points to makes no difference") {
+  Scene scene = sphere(5000, noisy);
+  const Image outward = picture(scene, sphereCamera(), 200, 200);
+  for (vec3& n : scene.normals) n = -n;
+  CHECK(picture(scene, sphereCamera(), 200, 200).pixels == outward.pixels);
+}
+
+TEST_CASE("quads and sprites make the same picture") {
+  Scene scene = sphere(5000, noisy);
+  const Image sprites = picture(scene, sphereCamera(), 200, 200);
+  scene.add({0, 0, 50}, {0, 0, 1}, vec3(0), 10);  // behind the eye: unseen, but too large a sprite
+  CHECK(picture(scene, sphereCamera(), 200, 200).pixels == sprites.pixels);
+}
+
+TEST_CASE("a splat larger than the picture with its centre outside covers the picture") {
+  Scene scene;
+  scene.add({3, 0, 0}, {0, 0, 1}, {0.25f, 0.5f, 0.75f}, 5);
+  const Camera camera{.eye = {0, 0, 1}, .target = {0, 0, 0}};
+  const Image image = picture(scene, camera, 640, 480);
+  for (int y = 0; y < 480; y += 7)
+    for (int x = 0; x < 640; x += 7)
+      REQUIRE(glm::distance(at(image, x, y), scene.colours[0]) < 1e-5f);
+}
+
+TEST_CASE("nothing behind the eye is drawn") {
+  Scene scene;
+  scene.add({0, 0, 3}, {0, 0, 1}, vec3(0), 1);
+  const Image image = picture(scene, {.eye = {0, 0, 1}, .target = {0, 0, 0}}, 64, 64);
+  for (int i = 0; i < 64 * 64; ++i) REQUIRE(!covered(image, i % 64, i / 64));
+}
+
+TEST_CASE("a disc is an ellipse of the right size and perspective") {
+  Scene scene;
+  const float radius = 0.5f;
+  const vec3 normal = glm::normalize(vec3(0, std::sqrt(3.f), 1));  // 60 degrees back
+  scene.add({0, 0, 0}, normal, vec3(0), radius / splatRadii({1})[0]);
+  const Camera camera{.eye = {0, 0, 2}, .target = {0, 0, 0}};
+  constexpr int kSide = 400;
+  const Image image =
+      picture(scene, camera, kSide, kSide, {.background = kBackground, .lowPass = 0.5f});
+  int left = kSide, right = 0, top = kSide, bottom = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      if (covered(image, x, y)) {
+        left = std::min(left, x), right = std::max(right, x + 1);
+        top = std::min(top, y), bottom = std::max(bottom, y + 1);
+      }
+  const float focal = 0.5f * kSide / std::tan(0.3f);
+  // The far rim is (0, 1/2, -sqrt(3)/2) r from the centre, the near one opposite.
+  const float along = radius / 2, deep = radius * std::sqrt(0.75f);
+  CHECK(200 - top == doctest::Approx(focal * along / (2 + deep)).epsilon(0.02));
+  CHECK(bottom - 200 == doctest::Approx(focal * along / (2 - deep)).epsilon(0.02));
+  CHECK(right - left == doctest::Approx(focal * radius).epsilon(0.04));
+}
+
+TEST_CASE("a surface hides the one behind it") {
+  Scene scene;
+  addSide(scene, kFront, 60, [](vec2) { return vec3(0, 1, 0); });
+  for (vec3& p : scene.positions) p.z = 0.2f;  // 6 spacings before the next one
+  addSide(scene, kFront, 60, [](vec2) { return vec3(1, 0, 0); });
+  for (std::size_t i = 3600; i < 7200; ++i) scene.positions[i].z = 0;
+  for (vec3 eye : {vec3(0, 0, 4), vec3(2.5f, 0, 3)}) {
+    const Image image =
+        picture(scene, lookAt(eye, {0, 0, 0.2f}, boundsOf(scene.positions)), 200, 200);
+    for (int y = 85; y < 115; ++y)
+      for (int x = 85; x < 115; ++x) REQUIRE(at(image, x, y).g > 0.999f);
+  }
+}
+
+TEST_CASE("splats of one rough surface blend, whichever lies a little higher") {
+  for (float higher : {-0.2f, 0.0f, 0.2f}) {  // radii
+    Scene scene;
+    const float spacing = 0.4f, radius = splatRadii({spacing})[0];
+    scene.add({-0.2f, 0, 0}, {0, 0, 1}, vec3(0), spacing);
+    scene.add({0.2f, 0, higher * radius}, {0, 0, 1}, vec3(1), spacing);
+    const Image image = picture(scene, {.eye = {0, 0, 10}, .target = {0, 0, 0}}, 201, 201);
+    CHECK(at(image, 100, 100).r == doctest::Approx(0.5).epsilon(0.1));
+  }
+}
+
+TEST_CASE("hidden edge-on splats do not come through the surface before them") {
+  Scene scene;
+  addSide(scene, kFront, 60, [](vec2) { return vec3(1); });
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const float angle = 6.28f * hashUniform(1, i), tilt = 0.1f * hashUniform(2, i) - 0.05f;
+    const vec3 p(1.6f * hashUniform(3, i) - 0.8f, 1.6f * hashUniform(4, i) - 0.8f, 0.6f);
+    scene.add(p, glm::normalize(vec3(std::cos(angle), std::sin(angle), tilt)), vec3(0), 1e-3f);
+  }
+  const Image image =
+      picture(scene, {.eye = {0, 0, 6}, .target = {0, 0, 0}}, 200, 200, {.lowPass = 1.4f});
+  int dark = 0;
+  for (int y = 60; y < 140; ++y)
+    for (int x = 60; x < 140; ++x) dark += at(image, x, y).r < 0.999f;
+  CHECK(dark == 0);
+}
+
+TEST_CASE("a splat far smaller than a pixel is seen wherever it falls, edge-on too") {
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    Scene scene;
+    scene.add({0.5f * hashUniform(1, i), 0.5f * hashUniform(2, i), 0}, {1, 0, 0}, vec3(0), 1e-4f);
+    const Image image = picture(scene, sphereCamera(), 64, 64);
+    int pixels = 0;
+    for (int k = 0; k < 64 * 64; ++k) pixels += covered(image, k % 64, k / 64);
+    CHECK(pixels >= 1);
+    CHECK(pixels <= 5);
+  }
+}
+
+TEST_CASE("many points in a pixel are averaged") {
+  Scene plane;
+  addSide(plane, kFront, 400, [](vec2 uv) { return vec3(noisy({uv, 0}).r > 0.5f); });
+  // A third of a pixel between points.
+  const Camera camera{.eye = {0, 0, 1 + 1 / std::tan(0.3f)}, .target = {0, 0, 0}};
+  const Image image = picture(plane, camera, 133, 133);
+  double sum = 0, squares = 0;
+  for (int y = 20; y < 113; ++y)
+    for (int x = 20; x < 113; ++x) {
+      const double v = at(image, x, y).r;
+      sum += v / (93 * 93);
+      squares += v * v / (93 * 93);
+    }
+  CHECK(sum == doctest::Approx(0.5).epsilon(0.02));
+  // 0.5 for one point; a third of it for the nine that a pixel owns.
+  CHECK(std::sqrt(squares - sum * sum) < 0.2);
+}
+
+TEST_CASE("a plane seen at a grazing angle keeps its mean colour and has no crack") {
+  Scene plane;
+  addSide(plane, {vec3(1, 0, 0), vec3(0, 0, -1), vec3(0, 1, 0)}, 200, [](vec2 uv) {
+    return vec3(static_cast<int>(std::floor((uv.x + 1) * 100)) % 2);  // single columns of points
+  });
+  for (float height : {0.1f, 0.3f, 1.0f}) {
+    const Camera camera = lookAt({0, 1 + height, 3}, {0, 1, 0}, boundsOf(plane.positions));
+    const Image image = picture(plane, camera, 300, 300, {.background = vec3(0.5f)});
+    double sum = 0;
+    for (int y = 145; y < 155; ++y)
+      for (int x = 100; x < 200; ++x) sum += at(image, x, y).r / 1000;
+    CHECK(sum == doctest::Approx(0.5).epsilon(0.1));
+  }
+}
+
+TEST_CASE("a picture of several tiles has no seam") {
+  const Scene scene = sphere(3000, noisy);
+  Camera camera = sphereCamera();
+  camera.verticalFov = 0.06f;  // the sphere fills all of a low, wide picture
+  const Image one = picture(scene, camera, 2048, 40), two = picture(scene, camera, 2448, 40);
+  int different = 0;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 2048; ++x) different += at(one, x, y) != at(two, x + 200, y);
+  CHECK(different == 0);
+}
+
+TEST_CASE("a picture of 4096 x 4096 is drawn whole") {
+  Scene scene;
+  for (int i = 0; i < 4; ++i)
+    scene.add({i % 2 - 0.5f, i / 2 - 0.5f, 0}, {0, 0, 1}, vec3(0.2f * i, 0, 0), 0.1f);
+  Camera camera{.eye = {0, 0, 1 / std::tan(0.3f)}, .target = {0, 0, 0}};
+  const Image image = picture(scene, camera, 4096, 4096);
+  for (int i = 0; i < 4; ++i)
+    CHECK(at(image, 1024 + i % 2 * 2048, 3072 - i / 2 * 2048).r == doctest::Approx(0.2 * i));
+  CHECK(!covered(image, 2048, 2048));
+}
+
+TEST_CASE("more samples a pixel give the same picture with a softer outline") {
+  const Scene scene = sphere(5000, [](vec3 p) { return vec3(p.y > 0, 0.5f, 0); });
+  const SplatOptions once{.background = vec3(1)}, twice{.background = vec3(1), .samples = 2};
+  const Image hard = picture(scene, sphereCamera(), 200, 200, once);
+  const Image soft = picture(scene, sphereCamera(), 200, 200, twice);
+  CHECK(structuralSimilarityError(hard, soft) < 0.1);
+  const auto between = [](const Image& image) {  // blue is 1 outside and 0 inside
+    int count = 0;
+    for (int y = 0; y < 200; ++y)
+      for (int x = 0; x < 200; ++x) count += at(image, x, y).b > 0.1f && at(image, x, y).b < 0.9f;
+    return count;
+  };
+  CHECK(between(hard) == 0);
+  CHECK(between(soft) > 200);
+}
+
+TEST_CASE("the headlight darkens what turns away and nothing else") {
+  const Scene scene = sphere(5000, [](vec3) { return vec3(0.8f); });
+  const Image image =
+      picture(scene, sphereCamera(), 200, 200, {.shading = true, .background = kBackground});
+  CHECK(at(image, 100, 100).r > 0.79f);
+  const int rim = 100 + static_cast<int>(0.95f * outlineRadius(sphereCamera(), 200));
+  CHECK(at(image, rim, 100).r < 0.6f);
+  CHECK(at(image, rim, 100).r > 0.2f);
+}
+
+TEST_CASE("without points a picture is the background, and a point without radius is not drawn") {
+  Scene scene;
+  CHECK(!covered(picture(scene, sphereCamera(), 32, 32), 16, 16));
+  scene.add({0, 0, 0}, {0, 0, 1}, vec3(0), 0);
+  CHECK(!covered(picture(scene, sphereCamera(), 32, 32), 16, 16));
+}
+
+TEST_CASE("a point without a normal faces the eye") {
+  Scene scene;
+  scene.add({0, 0, 0}, {0, 0, 0}, vec3(0), 0.3f);
+  for (const char* view : {"front", "right", "top"}) {
+    const Camera camera = standardView(view, Bounds{{-1, -1, -1}, {1, 1, 1}}, 1);
+    const Image image = picture(scene, camera, 100, 100);
+    CHECK(covered(image, 58, 50));
+    CHECK(covered(image, 50, 58));
+  }
+}
+
+TEST_CASE("columns of different lengths and options out of range are refused") {
+  Scene scene = sphere(10, noisy);
+  CHECK_THROWS_AS(picture(scene, sphereCamera(), 0, 10), InvalidInput);
+  CHECK_THROWS_AS(picture(scene, sphereCamera(), 10, 20000), InvalidInput);
+  CHECK_THROWS_AS(picture(scene, sphereCamera(), 10, 10, {.lowPass = 0}), InvalidInput);
+  CHECK_THROWS_AS(picture(scene, sphereCamera(), 10, 10, {.samples = 5}), InvalidInput);
+  scene.normals.pop_back();
+  CHECK_THROWS_AS(picture(scene, sphereCamera(), 10, 10), Bug);
+}
+
+TEST_CASE("print the hash of a picture" * doctest::skip()) {
+  fmt::print("hash {:016x}\n", hashOf(threadsPicture()));
+}
+
+TEST_CASE("the picture has the same bytes at any number of OpenGL's threads") {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  const std::string here = fmt::format("hash {:016x}\n", hashOf(threadsPicture()));
+  for (int threads : {0, 1, 2}) {
+    const std::string command =
+        fmt::format("LP_NUM_THREADS={} '{}' --no-skip --test-case='print the hash of a picture'",
+                    threads, self);
+    std::FILE* pipe = popen(command.c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    std::string text;
+    std::array<char, 4096> buffer;
+    while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) text += buffer.data();
+    CHECK(pclose(pipe) == 0);
+    CAPTURE(text);
+    CHECK(text.find(here) != std::string::npos);
+  }
+}
