@@ -36,7 +36,9 @@ std::string findFormat(const std::filesystem::path& path, InputFile& file) {
   if (extension == ".obj") return "obj";
   if (isAnyOf(extension, {".xyz", ".txt", ".pts", ".asc", ".csv", ".xyzn", ".xyzrgb"}))
     return "xyz";
-  if (looksLikeXyz(start.substr(0, kSniffed))) return "xyz";
+  // These begin with lines of numbers, too, but mean something else by them.
+  const bool other = isAnyOf(extension, {".off", ".pcd", ".stl", ".vtk", ".wrl", ".ptx"});
+  if (!other && looksLikeXyz(start.substr(0, kSniffed))) return "xyz";
   throw IoError(
       path.string(), "", "this format is not known",
       "Dapple reads PLY, OBJ and XYZ (.xyz, .txt, .asc, .csv, .pts): export one of them.");
