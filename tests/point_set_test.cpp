@@ -67,6 +67,18 @@ TEST_CASE("neighbours along the order are near in space") {
   CHECK(pathLength(points, mortonOrder(points)) < 0.1 * pathLength(points, given));
 }
 
+TEST_CASE("points crowded together by one far away are sorted all the same") {
+  std::vector<vec3> points = randomPoints(20000);
+  for (vec3& p : points) p *= 1e-4f;
+  points.emplace_back(1, 1, 1);
+  const std::vector<std::uint64_t> codes = mortonCodes(points);
+  std::vector<Index> expected(points.size());
+  std::iota(expected.begin(), expected.end(), Index{0});
+  std::stable_sort(expected.begin(), expected.end(),
+                   [&](Index a, Index b) { return codes[a] < codes[b]; });
+  CHECK(mortonOrder(points) == expected);
+}
+
 TEST_CASE("no point, one point and equal points have an order, too") {
   CHECK(mortonOrder({}).empty());
   CHECK(mortonOrder({{3, 4, 5}}) == std::vector<Index>{0});
@@ -78,5 +90,5 @@ TEST_CASE("sorting can be stopped") {
   std::stop_source stop;
   stop.request_stop();
   Monitor monitor(workers, stop.get_token());
-  CHECK_THROWS_AS(mortonOrder(randomPoints(10), monitor), Cancelled);
+  CHECK_THROWS_AS(orderByCode(mortonCodes(randomPoints(10)), monitor), Cancelled);
 }
