@@ -183,6 +183,18 @@ TEST_CASE("what is no image is refused with cause and remedy") {
   CHECK(contains(messageOfReading(folder.path / "five.tif"), "5 channels"));
 }
 
+TEST_CASE("an image in printing inks is refused") {
+  const Folder folder;
+  writeImage(folder.path / "a.tif", makeImage(4, 4, 4, 256));
+  std::string bytes = readBytes(folder.path / "a.tif");
+  // Tag 262, the photometric interpretation: RGB (2) becomes separated (5).
+  const auto at = bytes.find(std::string("\x06\x01\x03\0\x01\0\0\0\x02\0", 10));
+  REQUIRE(at != bytes.npos);
+  bytes[at + 8] = 5;
+  writeBytes(folder.path / "a.tif", bytes);
+  CHECK(contains(messageOfReading(folder.path / "a.tif"), "CMYK"));
+}
+
 TEST_CASE("an image cut off anywhere is refused and never crashes") {
   const Folder folder;
   for (const char* name : {"a.png", "a.tif"}) {

@@ -53,9 +53,8 @@ Opened openImage(const std::filesystem::path& path) {
   config.attribute("oiio:UnassociatedAlpha", 1);
   opened.input = OIIO::ImageInput::open(path.string(), &config);
   if (opened.input) return opened;
-  const std::string reason = OIIO::geterror();  // also clears it
-  throw IoError(path.string(), "", "this is not an image that can be read: " + firstLine(reason),
-                kKnown);
+  OIIO::geterror();  // clears what it says about the file's plugins: no help to a user
+  throw IoError(path.string(), "", "this is not an image of a known format", kKnown);
 }
 
 // Ink colours come as four channels, too, or already turned to RGB by a guess at the inks.

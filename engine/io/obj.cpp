@@ -11,7 +11,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\v\f\r";
+constexpr CharSet kBlanks(" \t\v\f\r");
 constexpr const char* kExportAgain = "Export the scan again, if possible as PLY.";
 
 // What the lines say; indices from 0.

@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "io/ply.h"
+#include "io/text_words.h"
 
 namespace dapple {
 namespace {
@@ -27,6 +28,7 @@ constexpr std::array kTypeNames = {
     TypeName{"double", "float64", ScalarType::Float64},
 };
 
+constexpr CharSet kBlanks(" \t");
 constexpr const char* kExportAgain = "Export the scan again with another program.";
 
 std::string_view typeName(ScalarType type) {
@@ -44,13 +46,8 @@ ScalarType typeOf(std::string_view word, const InputFile& file) {
 
 std::vector<std::string_view> splitWords(std::string_view line) {
   std::vector<std::string_view> words;
-  for (std::size_t at = 0;;) {
-    at = line.find_first_not_of(" \t", at);
-    if (at == line.npos) return words;
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
-  }
+  for (std::string_view word; !(word = takeWord(line, kBlanks)).empty();) words.push_back(word);
+  return words;
 }
 
 std::string textAfter(std::string_view line, std::string_view keyword) {

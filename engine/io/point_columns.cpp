@@ -63,7 +63,8 @@ std::string join(const std::vector<std::string>& words) {
 // What a full channel is in the file's numbers.
 double fullScale(const Columns& columns, const std::vector<dvec3>& values) {
   double largest = 0;
-  for (const dvec3& v : values) largest = std::fmax(largest, std::fmax(v.x, std::fmax(v.y, v.z)));
+  for (const dvec3& v : values)
+    for (int c = 0; c < 3; ++c) largest = v[c] > largest ? v[c] : largest;  // a NaN is no larger
   switch (columns[0]->type) {
     case ScalarType::Int8:
     case ScalarType::UInt8:
@@ -80,7 +81,7 @@ double fullScale(const Columns& columns, const std::vector<dvec3>& values) {
 }
 
 double clampUnit(double x) {
-  return x > 0 ? std::fmin(x, 1.0) : 0.0;  // NaN is 0
+  return x > 0 ? (x < 1 ? x : 1.0) : 0.0;  // NaN is 0
 }
 
 // The corners of a polygon or a strip as they come, checked.
@@ -169,11 +170,12 @@ std::vector<vec3> readNormals(const RecordTable& table, Monitor& monitor) {
   if (!columns) return {};
   const std::vector<dvec3> values = readVectors(*columns, table.find("vertex")->count, monitor);
   std::vector<vec3> normals(values.size(), vec3(0));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i % kChunk == 0) monitor.checkpoint();
-    const double length = glm::length(values[i]);
-    if (length > 0 && std::isfinite(length)) normals[i] = vec3(values[i] / length);
-  }
+  parallelFor(monitor, values.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double length = glm::length(values[i]);
+      if (length > 0 && std::isfinite(length)) normals[i] = vec3(values[i] / length);
+    }
+  });
   return normals;
 }
 
@@ -186,15 +188,15 @@ std::vector<vec3> readColours(const RecordTable& table, Monitor& monitor) {
   const bool isSigned = (*columns)[0]->type == ScalarType::Int8;
   const double full = splats ? 1 : fullScale(*columns, values);
   std::vector<vec3> colours(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i % kChunk == 0) monitor.checkpoint();
-    for (int c = 0; c < 3; ++c) {
-      double v = values[i][c];
-      if (splats) v = 0.5 + kHarmonic * v;
-      if (isSigned && v < 0) v += 256;  // "char" where "uchar" was meant
-      colours[i][c] = static_cast<float>(clampUnit(v / full));
-    }
-  }
+  parallelFor(monitor, values.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (int c = 0; c < 3; ++c) {
+        double v = values[i][c];
+        if (splats) v = 0.5 + kHarmonic * v;
+        if (isSigned && v < 0) v += 256;  // "char" where "uchar" was meant
+        colours[i][c] = static_cast<float>(clampUnit(v / full));
+      }
+  });
   return colours;
 }
 

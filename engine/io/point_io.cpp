@@ -36,7 +36,9 @@ std::string findFormat(const std::filesystem::path& path, InputFile& file) {
   if (extension == ".obj") return "obj";
   if (isAnyOf(extension, {".xyz", ".txt", ".pts", ".asc", ".csv", ".xyzn", ".xyzrgb"}))
     return "xyz";
-  if (looksLikeXyz(start.substr(0, kSniffed))) return "xyz";
+  // These begin with lines of numbers, too, but mean something else by them.
+  const bool other = isAnyOf(extension, {".off", ".pcd", ".stl", ".vtk", ".wrl", ".ptx"});
+  if (!other && looksLikeXyz(start.substr(0, kSniffed))) return "xyz";
   throw IoError(
       path.string(), "", "this format is not known",
       "Dapple reads PLY, OBJ and XYZ (.xyz, .txt, .asc, .csv, .pts): export one of them.");
@@ -113,14 +115,15 @@ void setLocalFrame(const std::vector<dvec3>& positions, const std::vector<std::s
 // For each of the positions in Morton order the one before it in the list with the same place, or
 // itself. Only positions of one cell can be equal; a cell is sorted, for a far outlier can crowd
 // the whole scan into a few of them.
-std::vector<Index> findTwins(const std::vector<vec3>& positions, const std::vector<Index>& order,
-                             Monitor& monitor) {
-  const std::vector<std::uint64_t> codes = mortonCodes(positions);
+std::vector<Index> findTwins(const std::vector<vec3>& positions,
+                             const std::vector<std::uint64_t>& codes,
+                             const std::vector<Index>& order, Monitor& monitor) {
   std::vector<Index> twin(positions.size());
   std::iota(twin.begin(), twin.end(), Index{0});
   std::vector<Index> cell;
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && codes[order[end]] == codes[order[begin]]) ++end;
+    const std::uint64_t code = codes[order[begin]];
+    while (end < order.size() && codes[order[end]] == code) ++end;
     if (end - begin == 1) continue;
     monitor.checkpoint();
     cell.assign(order.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -138,6 +141,7 @@ std::vector<Index> findTwins(const std::vector<vec3>& positions, const std::vect
 // Fills points.positions, record and pointOf from the records' positions.
 void placePoints(const std::vector<dvec3>& positions, Scan& scan, Monitor& monitor) {
   std::vector<std::size_t> finite;
+  finite.reserve(positions.size());
   for (std::size_t r = 0; r < positions.size(); ++r)
     if (isFinite(positions[r])) finite.push_back(r);
   scan.nonFinite = positions.size() - finite.size();
@@ -154,9 +158,12 @@ void placePoints(const std::vector<dvec3>& positions, Scan& scan, Monitor& monit
     for (std::size_t i = begin; i < end; ++i)
       local[i] = vec3((positions[finite[i]] - points.origin) / points.modelUnits);
   });
-  const std::vector<Index> order = mortonOrder(local, monitor);
-  const std::vector<Index> twin = findTwins(local, order, monitor);
+  const std::vector<std::uint64_t> codes = mortonCodes(local);
+  const std::vector<Index> order = orderByCode(codes, monitor);
+  const std::vector<Index> twin = findTwins(local, codes, order, monitor);
   scan.pointOf.assign(positions.size(), kNone);
+  points.positions.reserve(order.size());
+  scan.record.reserve(order.size());
   for (const Index i : order) {
     if (twin[i] != i) continue;
     scan.pointOf[finite[i]] = static_cast<Index>(points.positions.size());

@@ -10,7 +10,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::string_view kSeparators = " \t,;\r\v\f";
+constexpr CharSet kSeparators(" \t,;\r\v\f");
 constexpr std::size_t kMostHeadings = 20;
 constexpr double kUnitTolerance = 0.01;  // of the length of a normal written with few digits
 constexpr double kEnough = 0.95;         // of the rows, so that a few bad normals do no harm

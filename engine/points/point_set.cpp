@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <numeric>
 
@@ -10,7 +9,9 @@ namespace dapple {
 namespace {
 
 constexpr int kGridBits = 21;  // three of them fill 63 bits
+constexpr int kLowBits = 31;   // of a code, sorted only among equal upper 32
 constexpr int kDigitBits = 11;
+constexpr std::size_t kLongRun = 4096;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 
 // The 21 bits of x, two zeros after each.
@@ -23,6 +24,7 @@ std::uint64_t spreadBits(std::uint64_t x) {
   return x;
 }
 
+<<<<<<< HEAD
 // Stable sort by a digit after the other, from the lowest: ties keep the order of the ids.
 std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes,
                            const std::function<void()>& checkpoint) {
@@ -37,17 +39,51 @@ std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes,
   std::vector<Entry> entries(n), sorted(n);
   for (std::size_t i = 0; i < n; ++i) entries[i] = {codes[i], static_cast<Index>(i)};
   for (int shift = 0; shift < 3 * kGridBits; shift += kDigitBits) {
+=======
+using Checkpoint = std::function<void()>;
+
+// Sorts by the upper half of each entry, a digit after the other from the lowest; the lower half,
+// an id, rises already where the upper halves are equal.
+void radixSort(std::vector<std::uint64_t>& entries, const Checkpoint& checkpoint) {
+  std::vector<std::uint64_t> sorted(entries.size());
+  for (int shift = 32; shift < 64; shift += kDigitBits) {
+>>>>>>> io
     checkpoint();
-    const auto digit = [shift](const Entry& e) { return (e.code >> shift) & (kDigits - 1); };
     std::array<std::size_t, kDigits> next{};
-    for (const Entry& e : entries) ++next[digit(e)];
-    if (std::find(next.begin(), next.end(), n) != next.end()) continue;
+    const auto digit = [shift](std::uint64_t entry) { return (entry >> shift) & (kDigits - 1); };
+    for (const std::uint64_t entry : entries) ++next[digit(entry)];
     std::exclusive_scan(next.begin(), next.end(), next.begin(), std::size_t{0});
-    checkpoint();
-    for (const Entry& e : entries) sorted[next[digit(e)]++] = e;
+    for (const std::uint64_t entry : entries) sorted[next[digit(entry)]++] = entry;
     entries.swap(sorted);
   }
+<<<<<<< HEAD
   for (std::size_t i = 0; i < n; ++i) order[i] = entries[i].id;
+=======
+}
+
+Index idOf(std::uint64_t entry) {
+  return static_cast<Index>(entry);
+}
+
+// By the upper 32 bits of the codes first, of which few are equal, and where they are by the rest:
+// entries of 8 bytes for most of the work.
+std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes, const Checkpoint& checkpoint) {
+  const std::size_t n = codes.size();
+  std::vector<std::uint64_t> entries(n), run;
+  for (std::size_t i = 0; i < n; ++i) entries[i] = codes[i] >> kLowBits << 32 | i;
+  radixSort(entries, checkpoint);
+  std::vector<Index> order(n);
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    run.clear();
+    for (; end < n && entries[end] >> 32 == entries[begin] >> 32; ++end) {
+      const Index id = idOf(entries[end]);
+      run.push_back(codes[id] << (64 - kLowBits) >> 1 | id);
+    }
+    if (run.size() > kLongRun) radixSort(run, checkpoint);
+    if (run.size() <= kLongRun && run.size() > 1) std::sort(run.begin(), run.end());
+    for (std::size_t k = 0; k < run.size(); ++k) order[begin + k] = idOf(run[k]);
+  }
+>>>>>>> io
   return order;
 }
 
@@ -65,7 +101,8 @@ std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions) {
   const double cells = static_cast<double>(std::uint64_t{1} << kGridBits);
   const double scale = extent > 0 ? cells / extent : 0;
   const auto cell = [&](double x) {
-    return static_cast<std::uint64_t>(std::fmin(std::fmax(x * scale, 0.0), cells - 1));
+    const double at = x * scale;
+    return static_cast<std::uint64_t>(at < cells - 1 ? at : cells - 1);
   };
   std::vector<std::uint64_t> codes(positions.size());
   for (std::size_t i = 0; i < codes.size(); ++i) {
@@ -75,12 +112,12 @@ std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions) {
   return codes;
 }
 
-std::vector<Index> mortonOrder(const std::vector<vec3>& positions) {
-  return orderOf(mortonCodes(positions), [] {});
+std::vector<Index> orderByCode(const std::vector<std::uint64_t>& codes, Monitor& monitor) {
+  return orderOf(codes, [&] { monitor.checkpoint(); });
 }
 
-std::vector<Index> mortonOrder(const std::vector<vec3>& positions, Monitor& monitor) {
-  return orderOf(mortonCodes(positions), [&] { monitor.checkpoint(); });
+std::vector<Index> mortonOrder(const std::vector<vec3>& positions) {
+  return orderOf(mortonCodes(positions), [] {});
 }
 
 }  // namespace dapple

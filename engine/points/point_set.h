@@ -33,8 +33,10 @@ struct TangentFrame {
 // bounds. Positions are finite.
 std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions);
 
-// Ids of the points in the order of their Morton codes; ties by id. The second form can be stopped.
+// Ids of the points in the order of their codes; ties by id.
+std::vector<Index> orderByCode(const std::vector<std::uint64_t>& codes, Monitor& monitor);
+
+// The same for the codes of these positions, without a way to stop it.
 std::vector<Index> mortonOrder(const std::vector<vec3>& positions);
-std::vector<Index> mortonOrder(const std::vector<vec3>& positions, Monitor& monitor);
 
 }  // namespace dapple

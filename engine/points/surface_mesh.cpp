@@ -31,9 +31,8 @@ std::vector<double> cumulativeAreas(const std::vector<dvec3>& positions, const S
 // they are short).
 dvec3 pointInside(const std::vector<dvec3>& positions, const std::array<Index, 3>& triangle,
                   double along, double across) {
-  const double root = std::sqrt(along);
-  return (1 - root) * positions[triangle[0]] + root * (1 - across) * positions[triangle[1]] +
-         root * across * positions[triangle[2]];
+  const dvec3 &a = positions[triangle[0]], &b = positions[triangle[1]], &c = positions[triangle[2]];
+  return a + std::sqrt(along) * ((b - a) + across * (c - b));
 }
 
 }  // namespace
