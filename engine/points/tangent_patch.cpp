@@ -1,53 +1,60 @@
 // The transfer of [Zhang], Appendix A as corrected in methods 2.1 step 4, grown from one point
 // outward: every new point takes its place and its axes from the neighbours that have theirs.
-// Departure: no distortion limit and no patches; points are taken in rings of growing distance (a
-// bucket queue), which is all that a map of a few hundred points around a centre needs.
+// Departures: no distortion limit and no patches; points are taken in rings of growing distance (a
+// bucket queue), which is all that a map of a few hundred points around a centre needs; and only
+// the nearest few placed neighbours are asked, as the further ones weigh little.
 #include "points/tangent_patch.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/errors.h"
-#include "base/hash_rng.h"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kInitialTable = 1u << 13;
+constexpr std::size_t kInitialTable = 1u << 12;
+constexpr std::uint32_t kWaiting = 0x80000000u, kOutside = 0xffffffffu;
 constexpr float kRingSpacings = 0.75f;  // width of a ring in distances of the sixth neighbour
-constexpr float kSteepest = 0.01f;      // cosine below which an offset has no tangential part
+constexpr float kSteepest = 1e-4f;  // squared cosine below which an offset has no tangential part
+constexpr int kContributors = 4;
 
 }  // namespace
 
 TangentPatch::TangentPatch(const PointSet& points, const Neighborhoods& neighborhoods,
                            std::size_t used)
-    : points_(points), neighborhoods_(neighborhoods), used_(used), table_(kInitialTable) {
+    : points_(points),
+      neighborhoods_(neighborhoods),
+      used_(used),
+      table_(kInitialTable),
+      tableShift_(64 - std::countr_zero(kInitialTable)) {
   DAPPLE_CHECK(used, <=, neighborhoods.k);
   DAPPLE_CHECK(points.normals.size(), ==, points.size());
 }
 
-// Ids are in Morton order, so sixteen that follow each other share a run of slots (and its cache
-// lines); only the runs are scattered.
+// Ids are in Morton order, so eight that follow each other share a cache line of slots; only the
+// lines are scattered.
 TangentPatch::Slot& TangentPatch::slotOf(Index id) {
   const std::size_t mask = table_.size() - 1;
-  std::size_t at = ((mixBits(id >> 4) << 4) | (id & 15u)) & mask;
-  while (table_[at].stamp == stamp_ && table_[at].id != id) at = (at + 1) & mask;
+  const std::uint64_t line = ((id >> 3) * 0x9e3779b97f4a7c15ull) >> tableShift_;
+  std::size_t at = ((line & ~std::uint64_t{7}) | (id & 7u)) & mask;
+  while (table_[at].id != id && table_[at].id != kNone) at = (at + 1) & mask;
   return table_[at];
 }
 
 void TangentPatch::widenTable() {
   std::vector<Slot> old(table_.size() * 2);
   old.swap(table_);
+  --tableShift_;
   for (const Slot& slot : old)
-    if (slot.stamp == stamp_) slotOf(slot.id) = slot;
+    if (slot.id != kNone) slotOf(slot.id) = slot;
 }
 
-void TangentPatch::place(Index id, const Site& site, vec2 position) {
-  Slot& slot = slotOf(id);
-  slot.state = SlotState::Placed;
-  slot.site = static_cast<std::uint32_t>(sites_.size());
+void TangentPatch::place(Index id, const Site& site) {
+  slotOf(id).value = static_cast<std::uint32_t>(sites_.size());
   sites_.push_back(site);
-  flat_.push_back({id, position});
+  flat_.push_back({id, site.flat});
 }
 
 void TangentPatch::queueNeighbours(Index id) {
@@ -56,69 +63,66 @@ void TangentPatch::queueNeighbours(Index id) {
   const float reached = glm::length(flat_.back().position);
   const vec3 normal = points_.normals[id];
   for (std::size_t j = 0; j < used_; ++j) {
-    const auto ring = static_cast<std::size_t>((reached + distances[j]) / ringWidth_);
-    if (ring >= ringCount_) continue;
+    const auto ring = static_cast<std::uint32_t>((reached + distances[j]) / ringWidth_);
+    if (ring >= ringCount_) break;  // the others are no nearer
     Slot& slot = slotOf(ids[j]);
-    if (slot.stamp == stamp_) {
-      if (slot.state != SlotState::Waiting || slot.bucket <= ring) continue;
-    } else {
+    if (slot.id == kNone) {
       if (glm::dot(normal, points_.normals[ids[j]]) <= 0) continue;
-      slot = {.stamp = stamp_, .id = ids[j]};
+      slot.id = ids[j];
       ++tableFill_;
+    } else if (slot.value < kWaiting || slot.value <= kWaiting + ring || slot.value == kOutside) {
+      continue;
     }
-    slot.bucket = static_cast<std::uint32_t>(ring);
+    slot.value = kWaiting + ring;
     rings_[ring].push_back(ids[j]);
     if (2 * tableFill_ > table_.size()) widenTable();
   }
 }
 
-// Methods 2.1, steps 4 and 5: F from every placed P among its neighbours, weighted by 1 / |FP|.
-bool TangentPatch::transfer(Index id, Site& site, vec2& position) {
-  const auto ids = neighborhoods_.of(id).first(used_);
+// Methods 2.1, steps 4 and 5: F from placed neighbours P, each weighted by 1 / |FP|. With
+// V = F - P, L = |V| and m the length of V's part in P's tangent plane, (a, b) = (V.S, V.T) / m is
+// the direction there, and the printed N_l = (N - h V0) / c, M = N_l x V0 become
+// (L N - (V.N / L) V) / m and a T - b S. The printed T is not of unit length: its part along V0
+// must not be shortened (methods 2.2).
+bool TangentPatch::transfer(Index id, Site& site) {
   const vec3 pF = points_.positions[id], nF = points_.normals[id];
   float sumW = 0;
   vec2 q(0);
   vec3 n(0), t(0);
-  for (const Index j : ids) {
+  int asked = 0;
+  for (const Index j : neighborhoods_.of(id).first(used_)) {
     const Slot& slot = slotOf(j);
-    if (slot.stamp != stamp_ || slot.state != SlotState::Placed) continue;
-    if (glm::dot(points_.normals[j], nF) <= 0) continue;
-    const Site& P = sites_[slot.site];
+    if (slot.id == kNone || slot.value >= kWaiting) continue;
+    const Site& P = sites_[slot.value];
+    if (glm::dot(P.n, nF) <= 0) continue;
     const vec3 V = pF - P.position;
-    const float L = glm::length(V);
-    if (!(L > 0)) {  // a twin: V has no direction, and its place is F's
-      site = {pF, P.n, P.t};
-      position = flat_[slot.site].position;
+    const float L2 = glm::dot(V, V), h = glm::dot(V, P.n), m2 = L2 - h * h;
+    if (!(L2 > 0)) {  // a twin: V has no direction, and its place is F's
+      site = P;
       return true;
     }
-    const vec3 V0 = V / L;
-    const float h = glm::dot(V0, P.n), c2 = 1 - h * h;
-    if (c2 < kSteepest * kSteepest) continue;
-    const float rc = 1 / std::sqrt(c2);
-    const float a = glm::dot(V0, glm::cross(P.t, P.n)), b = glm::dot(V0, P.t);
-    const vec3 N = (P.n - h * V0) * rc;
-    const float w = 1 / L;
+    if (m2 < kSteepest * L2) continue;
+    const float w = 1 / std::sqrt(L2), rm = 1 / std::sqrt(m2);
+    const float a = glm::dot(V, P.s) * rm, b = glm::dot(V, P.t) * rm;
     sumW += w;
-    q += w * (flat_[slot.site].position + L * rc * vec2(a, b));
-    n += w * N;
-    // The printed T is not of unit length: its part along V0 must not be shortened (methods 2.2).
-    t += w * rc * (b * V0 + a * glm::cross(N, V0));
+    q += w * P.flat + vec2(a, b);
+    n += rm * (P.n - (h * w * w) * V);
+    t += w * ((b * w) * V + a * (a * P.t - b * P.s));
+    if (++asked == kContributors) break;
   }
-  if (!(sumW > 0)) return false;
-  position = q / sumW;
+  if (asked == 0) return false;
   site.position = pF;
+  site.flat = q / sumW;
   site.n = glm::normalize(n);
   site.t = glm::normalize(t - glm::dot(t, site.n) * site.n);
-  return std::isfinite(position.x + position.y + site.t.x);
+  site.s = glm::cross(site.t, site.n);
+  return std::isfinite(site.flat.x + site.flat.y + site.t.x);
 }
 
 std::span<const FlatPoint> TangentPatch::grow(Index centre, const TangentFrame& frame,
                                               float radius) {
-  if (++stamp_ == 0) {  // wrapped round: every old stamp would look fresh
-    std::fill(table_.begin(), table_.end(), Slot{});
-    stamp_ = 1;
-  }
-  tableFill_ = 0;
+  std::fill(table_.begin(), table_.end(), Slot{});
+  tableFill_ = 1;
   sites_.clear();
   flat_.clear();
   const float near = neighborhoods_.distancesOf(centre)[std::min<std::size_t>(5, used_ - 1)];
@@ -127,23 +131,20 @@ std::span<const FlatPoint> TangentPatch::grow(Index centre, const TangentFrame& 
   if (rings_.size() < ringCount_) rings_.resize(ringCount_);
   for (auto& ring : rings_) ring.clear();
 
-  slotOf(centre) = {.stamp = stamp_, .id = centre};
-  ++tableFill_;
-  place(centre, {points_.positions[centre], frame.n, frame.t}, vec2(0));
+  slotOf(centre).id = centre;
+  place(centre, {points_.positions[centre], frame.s, frame.t, frame.n, vec2(0)});
   queueNeighbours(centre);
-  for (std::size_t r = 0; r < ringCount_; ++r) {
+  for (std::uint32_t r = 0; r < ringCount_; ++r) {
     for (std::size_t i = 0; i < rings_[r].size(); ++i) {  // the ring grows while it is walked
       const Index id = rings_[r][i];
-      const Slot& slot = slotOf(id);
-      if (slot.state != SlotState::Waiting || slot.bucket != r) continue;
+      if (slotOf(id).value != kWaiting + r) continue;  // placed, or queued nearer, meanwhile
       Site site;
-      vec2 position;
-      if (!transfer(id, site, position)) continue;
-      if (glm::length(position) > radius) {
-        slotOf(id).state = SlotState::Outside;
+      if (!transfer(id, site)) continue;
+      if (glm::length(site.flat) > radius) {
+        slotOf(id).value = kOutside;
         continue;
       }
-      place(id, site, position);
+      place(id, site);
       queueNeighbours(id);
     }
   }

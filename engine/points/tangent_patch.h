@@ -26,30 +26,27 @@ class TangentPatch {
   std::span<const FlatPoint> grow(Index centre, const TangentFrame& frame, float radius);
 
  private:
-  enum class SlotState : std::uint8_t { Waiting, Placed, Outside };
-  struct Slot {  // of an open-addressing table from point ids to sites
-    std::uint32_t stamp = 0;
+  struct Slot {  // of an open-addressing table
     Index id = kNone;
-    std::uint32_t site = 0;    // Placed: index into sites_ and flat_
-    std::uint32_t bucket = 0;  // Waiting: the nearest ring in which it is queued
-    SlotState state = SlotState::Waiting;
+    std::uint32_t value = 0;  // kWaiting + ring, kOutside, or the index of the site
   };
-  struct Site {
+  struct alignas(64) Site {
     vec3 position;
-    vec3 n, t;  // transported axes
+    vec3 s, t, n;  // transported axes
+    vec2 flat;
   };
 
   Slot& slotOf(Index id);
   void widenTable();
-  void place(Index id, const Site& site, vec2 position);
+  void place(Index id, const Site& site);
   void queueNeighbours(Index id);
-  bool transfer(Index id, Site& site, vec2& position);
+  bool transfer(Index id, Site& site);
 
   const PointSet& points_;
   const Neighborhoods& neighborhoods_;
   std::size_t used_;
   std::vector<Slot> table_;
-  std::uint32_t stamp_ = 0;
+  int tableShift_ = 0;
   std::size_t tableFill_ = 0;
   std::vector<Site> sites_;
   std::vector<FlatPoint> flat_;

@@ -17,7 +17,7 @@ constexpr std::size_t kTurns = 16;
 constexpr std::size_t kParts = 48;
 constexpr std::size_t kTrainingWindows = 6000;
 constexpr std::size_t kGrain = 64;      // places encoded together
-constexpr std::size_t kQueryBlock = 4;  // codes that share one pass over the places
+constexpr std::size_t kQueryBlock = 8;  // codes that share one pass over the places
 constexpr float kNoWindow = 1e30f;
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -53,42 +53,38 @@ struct SearchTable {
 // Each lane is one turn and adds up its own products in order, so every vector width gives the
 // same bits.
 template <class Lanes, class Ids>
-[[gnu::always_inline]] inline void searchBlock(const SearchTable& table, const PatchCode* queries,
-                                               PartBests* bests) {
+[[gnu::always_inline]] inline void searchPart(const SearchTable& table, std::size_t part,
+                                              const PatchCode* queries, PartBests* bests) {
   constexpr std::size_t kWidth = sizeof(Lanes) / sizeof(float);
-  constexpr std::size_t kVectors = kTurns / kWidth;
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const std::size_t begin = part * table.places / kParts;
-    const std::size_t end = (part + 1) * table.places / kParts;
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      Lanes best[kQueryBlock];
-      Ids where[kQueryBlock];
-      for (std::size_t q = 0; q < kQueryBlock; ++q) {
-        best[q] = Lanes{} + kNoWindow;
-        where[q] = Ids{};
-      }
-      for (std::size_t place = begin; place < end; ++place) {
-        const float* codes = table.codes + place * kPatchNumbers * kTurns + v * kWidth;
-        Lanes key[kQueryBlock], code;
-        std::memcpy(&code, table.halfNorms + place * kTurns + v * kWidth, sizeof(Lanes));
-        for (std::size_t q = 0; q < kQueryBlock; ++q) key[q] = code;
-        for (int d = 0; d < kPatchNumbers; ++d) {
-          std::memcpy(&code, codes + d * kTurns, sizeof(Lanes));
-          for (std::size_t q = 0; q < kQueryBlock; ++q) key[q] -= code * queries[q][d];
-        }
-        for (std::size_t q = 0; q < kQueryBlock; ++q) {
-          const Ids nearer = key[q] < best[q];
-          best[q] = nearer ? key[q] : best[q];
-          where[q] = nearer ? Ids{} + static_cast<std::int32_t>(place) : where[q];
-        }
+  const std::size_t begin = part * table.places / kParts, end = (part + 1) * table.places / kParts;
+  for (std::size_t lane = 0; lane < kTurns; lane += kWidth) {
+    Lanes best[kQueryBlock];
+    Ids where[kQueryBlock];
+    for (std::size_t q = 0; q < kQueryBlock; ++q) {
+      best[q] = Lanes{} + kNoWindow;
+      where[q] = Ids{};
+    }
+    for (std::size_t place = begin; place < end; ++place) {
+      const float* codes = table.codes + place * kPatchNumbers * kTurns + lane;
+      Lanes key[kQueryBlock], code;
+      std::memcpy(&code, table.halfNorms + place * kTurns + lane, sizeof(Lanes));
+      for (std::size_t q = 0; q < kQueryBlock; ++q) key[q] = code;
+      for (int d = 0; d < kPatchNumbers; ++d) {
+        std::memcpy(&code, codes + d * kTurns, sizeof(Lanes));
+        for (std::size_t q = 0; q < kQueryBlock; ++q) key[q] -= code * queries[q][d];
       }
       for (std::size_t q = 0; q < kQueryBlock; ++q) {
-        PartBest& least = bests[q][part];
-        for (std::size_t l = 0; l < kWidth; ++l) {
-          const auto window = static_cast<std::uint32_t>(where[q][l]) * kTurns + v * kWidth + l;
-          if (best[q][l] < least.key || (best[q][l] == least.key && window < least.window))
-            least = {best[q][l], static_cast<std::uint32_t>(window)};
-        }
+        const Ids nearer = key[q] < best[q];
+        best[q] = nearer ? key[q] : best[q];
+        where[q] = nearer ? Ids{} + static_cast<std::int32_t>(place) : where[q];
+      }
+    }
+    for (std::size_t q = 0; q < kQueryBlock; ++q) {
+      PartBest& least = bests[q][part];
+      for (std::size_t l = 0; l < kWidth; ++l) {
+        const auto window = static_cast<std::uint32_t>(where[q][l] * kTurns + lane + l);
+        if (best[q][l] < least.key || (best[q][l] == least.key && window < least.window))
+          least = {best[q][l], window};
       }
     }
   }
@@ -98,22 +94,25 @@ using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32)));
 using Int8 = std::int32_t __attribute__((vector_size(32)));
 
-void searchBlockBase(const SearchTable& table, const PatchCode* queries, PartBests* bests) {
-  searchBlock<Float4, Int4>(table, queries, bests);
+using SearchPart = void (*)(const SearchTable&, std::size_t, const PatchCode*, PartBests*);
+
+void searchPartBase(const SearchTable& table, std::size_t part, const PatchCode* queries,
+                    PartBests* bests) {
+  searchPart<Float4, Int4>(table, part, queries, bests);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void searchBlockAvx2(const SearchTable& table,
-                                                     const PatchCode* queries, PartBests* bests) {
-  searchBlock<Float8, Int8>(table, queries, bests);
+__attribute__((target("avx2"))) void searchPartAvx2(const SearchTable& table, std::size_t part,
+                                                    const PatchCode* queries, PartBests* bests) {
+  searchPart<Float8, Int8>(table, part, queries, bests);
 }
 #endif
 
-void searchBlockBest(const SearchTable& table, const PatchCode* queries, PartBests* bests) {
+SearchPart bestSearchPart() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return searchBlockAvx2(table, queries, bests);
+  if (__builtin_cpu_supports("avx2")) return searchPartAvx2;
 #endif
-  searchBlockBase(table, queries, bests);
+  return searchPartBase;
 }
 
 }  // namespace
@@ -215,23 +214,25 @@ PatchCode ScorePatches::encode(const Window& window) const {
 
 std::vector<PatchStarts> ScorePatches::search(std::span<const PatchCode> codes) const {
   const SearchTable table{codes_.data(), halfNorms_.data(), places_.size()};
+  const SearchPart searchPartOn = bestSearchPart();
+  const std::size_t blocks = (codes.size() + kQueryBlock - 1) / kQueryBlock;
+  std::vector<PatchCode> queries(codes.begin(), codes.end());
+  queries.resize(blocks * kQueryBlock, PatchCode{});
+  std::vector<PartBests> bests(queries.size());
+  for (std::size_t part = 0; part < kParts; ++part)  // a part stays in the cache for all codes
+    for (std::size_t first = 0; first < queries.size(); first += kQueryBlock)
+      searchPartOn(table, part, queries.data() + first, bests.data() + first);
+
   std::vector<PatchStarts> starts(codes.size());
-  for (std::size_t first = 0; first < codes.size(); first += kQueryBlock) {
-    const std::size_t count = std::min(kQueryBlock, codes.size() - first);
-    std::array<PatchCode, kQueryBlock> block{};
-    std::copy_n(codes.begin() + first, count, block.begin());
-    std::array<PartBests, kQueryBlock> bests{};
-    searchBlockBest(table, block.data(), bests.data());
-    for (std::size_t q = 0; q < count; ++q) {
-      std::partial_sort(bests[q].begin(), bests[q].begin() + kPatchStarts, bests[q].end(),
-                        [](const PartBest& a, const PartBest& b) {
-                          return a.key != b.key ? a.key < b.key : a.window < b.window;
-                        });
-      for (int s = 0; s < kPatchStarts; ++s) {
-        // A part may have no window at all (holes); the best one then stands in for it.
-        const PartBest& best = bests[q][s].key < kNoWindow / 2 ? bests[q][s] : bests[q][0];
-        starts[first + q][s] = placementOf(best.window / kTurns, best.window % kTurns);
-      }
+  for (std::size_t q = 0; q < codes.size(); ++q) {
+    std::partial_sort(bests[q].begin(), bests[q].begin() + kPatchStarts, bests[q].end(),
+                      [](const PartBest& a, const PartBest& b) {
+                        return a.key != b.key ? a.key < b.key : a.window < b.window;
+                      });
+    for (int s = 0; s < kPatchStarts; ++s) {
+      // A part may have no window at all (holes); the best one then stands in for it.
+      const PartBest& best = bests[q][s].key < kNoWindow / 2 ? bests[q][s] : bests[q][0];
+      starts[q][s] = placementOf(best.window / kTurns, best.window % kTurns);
     }
   }
   return starts;

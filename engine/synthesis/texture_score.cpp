@@ -27,7 +27,7 @@ constexpr std::size_t kLeastPoints = 200;
 constexpr std::size_t kLeastWindows = 20;
 constexpr std::array<double, 3> kScales = {1, 2, 4};
 // Points inside a turned window and under the Gaussians of its corners, and a margin to grow in.
-constexpr float kReach = 5.7f, kMargin = 1.6f;  // steps
+constexpr float kReach = 5.7f, kMargin = 0.3f;  // steps
 constexpr std::size_t kGrain = 16;              // evaluation points that are searched together
 constexpr std::size_t kPerfectShare = 4;  // of so many windows one is also fitted as a perfect one
 constexpr float kTolerance = 20 * std::numbers::pi_v<float> / 180;  // of the oriented figures
