@@ -15,8 +15,8 @@ namespace {
 constexpr SimdPath kPaths[] = {SimdPath::Scalar, SimdPath::Avx2, SimdPath::Avx512Vnni};
 
 // Random texels; `levels` distinct values a channel, so that few levels give many ties.
-Swatch randomSwatch(int width, int height, bool tileable, float holes, int levels,
-                    std::uint64_t seed) {
+Swatch randomSwatch(ivec2 size, bool tileable, float holes, int levels, std::uint64_t seed) {
+  const int width = size.x, height = size.y;
   Image image{width, height, 4, {}};
   image.pixels.resize(static_cast<std::size_t>(width) * height * 4);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -112,7 +112,7 @@ TEST_CASE("the exhaustive search finds the true minimum, ties to the smallest y,
     const bool holes = !tileable && hashBelow(2, seed, 4) == 1;
     const int phases = 1 << hashBelow(4, seed, 5);
     const int levels = hashBelow(2, seed, 6) == 1 ? 2 : 1000;
-    const Swatch swatch = randomSwatch(width, height, tileable, holes ? 0.03f : 0, levels, seed);
+    const Swatch swatch = randomSwatch({width, height}, tileable, holes ? 0.03f : 0, levels, seed);
     const SwatchSearch search(swatch, 0, phases, 2);
     const float reach =
         tileable ? 1.7f * static_cast<float>(width) : 0.3f * static_cast<float>(height);
@@ -127,7 +127,7 @@ TEST_CASE("all instruction sets give the same place on large swatches") {
   std::uint64_t seed = 1000;
   for (const auto& size : sizes) {
     for (int kind = 0; kind < 3; ++kind) {
-      const Swatch swatch = randomSwatch(size[0], size[1], kind == 0, kind == 2 ? 0.01f : 0,
+      const Swatch swatch = randomSwatch({size[0], size[1]}, kind == 0, kind == 2 ? 0.01f : 0,
                                          kind == 1 ? 2 : 1000, ++seed);
       const SwatchSearch search(swatch, 0, 2);
       for (std::size_t count : {0, 1, 7, 25, 49, 100}) {
@@ -155,7 +155,7 @@ TEST_CASE("the largest possible errors do not overflow") {
 }
 
 TEST_CASE("a place is not found where the terms do not fit, or only on holes") {
-  const Swatch small = randomSwatch(8, 8, false, 0, 1000, 5);
+  const Swatch small = randomSwatch({8, 8}, false, 0, 1000, 5);
   const SwatchSearch search(small, 0, 4);
   const std::vector<SearchTerm> wide = {{{-4, 0}, vec3(0)}, {{4.25f, 0}, vec3(0)}};
   const std::vector<SearchTerm> fits = {{{-4, 0}, vec3(0)}, {{3, 0}, vec3(0)}};

@@ -23,6 +23,23 @@ inline std::uint64_t blockedBits(const KernelArea& area, int x, int y) {
   return shift == 0 ? word[0] : (word[0] >> shift) | (word[1] << (64 - shift));
 }
 
+// Places from (x, y) on along a row; bit i of `dead`: place x + i does not count.
+struct Block {
+  int x, y;
+  std::uint64_t dead;
+};
+
+inline Block blockAt(const KernelArea& area, int x, int y) {
+  return {x, y, blockedBits(area, x, y)};
+}
+
+// Leaves out what lies beyond the end of the area.
+inline Block shortened(Block block, const KernelArea& area) {
+  const int left = area.x1 - block.x;
+  if (left < 64) block.dead |= ~std::uint64_t{0} << left;
+  return block;
+}
+
 // The smallest lane of the minima of one column of vectors; ties to the earlier row, then x.
 void takeBest(const std::uint32_t* errors, const std::uint32_t* places, int lanes,
               KernelBest& best) {
@@ -73,10 +90,9 @@ struct Minima2 {
 
 // N vectors of 8 places from (x, y) on; `dead` has a bit for each place that does not count.
 template <int N>
-DAPPLE_AVX2 inline void blockAvx2(const KernelArea& area, int x, int y, std::uint32_t dead,
-                                  Minima2& minima) {
+DAPPLE_AVX2 inline void blockAvx2(const KernelArea& area, const Block& block, Minima2& minima) {
   const __m256i ones = _mm256_set1_epi16(1);
-  const std::ptrdiff_t at = y * area.stride + x;
+  const std::ptrdiff_t at = block.y * area.stride + block.x;
   __m256i sum[N];
   for (int v = 0; v < N; ++v) sum[v] = _mm256_setzero_si256();
   for (std::size_t t = 0; t < area.termCount; ++t) {
@@ -88,12 +104,12 @@ DAPPLE_AVX2 inline void blockAvx2(const KernelArea& area, int x, int y, std::uin
       sum[v] = _mm256_add_epi32(sum[v], _mm256_madd_epi16(_mm256_maddubs_epi16(d, d), ones));
     }
   }
-  const __m256i place = _mm256_set1_epi32((y << 16) | x);
+  const __m256i place = _mm256_set1_epi32((block.y << 16) | block.x);
   for (int v = 0; v < N; ++v) {
     __m256i error = sum[v];
-    if (dead != 0) {
+    if (block.dead != 0) {
       const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-      const __m256i bits = _mm256_set1_epi32(static_cast<int>((dead >> (8 * v)) & 255));
+      const __m256i bits = _mm256_set1_epi32(static_cast<int>((block.dead >> (8 * v)) & 255));
       error = _mm256_or_si256(error, _mm256_cmpeq_epi32(_mm256_and_si256(bits, bit), bit));
     }
     const __m256i best = minima.error[v];
@@ -104,19 +120,17 @@ DAPPLE_AVX2 inline void blockAvx2(const KernelArea& area, int x, int y, std::uin
   }
 }
 
-DAPPLE_AVX2 inline void restAvx2(const KernelArea& area, int x, int y, std::uint32_t dead,
-                                 Minima2& minima) {
-  const int left = area.x1 - x;
-  if (left < 32) dead |= ~0u << left;
-  switch ((left + 7) / 8) {
+DAPPLE_AVX2 inline void restAvx2(const KernelArea& area, Block block, Minima2& minima) {
+  block = shortened(block, area);
+  switch ((area.x1 - block.x + 7) / 8) {
     case 1:
-      return blockAvx2<1>(area, x, y, dead, minima);
+      return blockAvx2<1>(area, block, minima);
     case 2:
-      return blockAvx2<2>(area, x, y, dead, minima);
+      return blockAvx2<2>(area, block, minima);
     case 3:
-      return blockAvx2<3>(area, x, y, dead, minima);
+      return blockAvx2<3>(area, block, minima);
     default:
-      return blockAvx2<4>(area, x, y, dead, minima);
+      return blockAvx2<4>(area, block, minima);
   }
 }
 
@@ -127,9 +141,9 @@ struct Minima512 {
 // |I - c|^2 = I.I - 2 I.c + c.c: two dot products for each vector of 16 places instead of a
 // difference, its absolute value and one dot product. `constant` is the sum of c.c.
 template <int N>
-DAPPLE_AVX512 inline void blockAvx512(const KernelArea& area, int constant, int x, int y,
-                                      std::uint64_t dead, Minima512& minima) {
-  const std::ptrdiff_t at = y * area.stride + x;
+DAPPLE_AVX512 inline void blockAvx512(const KernelArea& area, int constant, const Block& block,
+                                      Minima512& minima) {
+  const std::ptrdiff_t at = block.y * area.stride + block.x;
   __m512i squares[N], products[N];
   for (int v = 0; v < N; ++v) {
     squares[v] = _mm512_set1_epi32(constant);
@@ -144,30 +158,29 @@ DAPPLE_AVX512 inline void blockAvx512(const KernelArea& area, int constant, int 
       products[v] = _mm512_dpbusd_epi32(products[v], pixel, colour);
     }
   }
-  const __m512i place = _mm512_set1_epi32((y << 16) | x);
+  const __m512i place = _mm512_set1_epi32((block.y << 16) | block.x);
   for (int v = 0; v < N; ++v) {
     const __m512i twice = _mm512_add_epi32(products[v], products[v]);
     const __m512i error = _mm512_sub_epi32(squares[v], twice);
-    const auto alive = static_cast<__mmask16>(~(dead >> (16 * v)));
+    const auto alive = static_cast<__mmask16>(~(block.dead >> (16 * v)));
     const __mmask16 less = _mm512_mask_cmplt_epu32_mask(alive, error, minima.error[v]);
     minima.error[v] = _mm512_mask_mov_epi32(minima.error[v], less, error);
     minima.place[v] = _mm512_mask_mov_epi32(minima.place[v], less, place);
   }
 }
 
-DAPPLE_AVX512 inline void restAvx512(const KernelArea& area, int constant, int x, int y,
-                                     std::uint64_t dead, Minima512& minima) {
-  const int left = area.x1 - x;
-  if (left < 64) dead |= ~0ull << left;
-  switch ((left + 15) / 16) {
+DAPPLE_AVX512 inline void restAvx512(const KernelArea& area, int constant, Block block,
+                                     Minima512& minima) {
+  block = shortened(block, area);
+  switch ((area.x1 - block.x + 15) / 16) {
     case 1:
-      return blockAvx512<1>(area, constant, x, y, dead, minima);
+      return blockAvx512<1>(area, constant, block, minima);
     case 2:
-      return blockAvx512<2>(area, constant, x, y, dead, minima);
+      return blockAvx512<2>(area, constant, block, minima);
     case 3:
-      return blockAvx512<3>(area, constant, x, y, dead, minima);
+      return blockAvx512<3>(area, constant, block, minima);
     default:
-      return blockAvx512<4>(area, constant, x, y, dead, minima);
+      return blockAvx512<4>(area, constant, block, minima);
   }
 }
 
@@ -194,11 +207,12 @@ DAPPLE_AVX2 KernelBest searchAvx2(const KernelArea& area) {
   for (int y = area.y0; y < area.y1; ++y) {
     int x = area.x0;
     for (; x + 32 <= area.x1; x += 32) {
-      const auto dead = static_cast<std::uint32_t>(blockedBits(area, x, y));
-      blockAvx2<4>(area, x, y, dead, minima);
+      Block block = blockAt(area, x, y);
+      block.dead &= 0xffffffff;
+      blockAvx2<4>(area, block, minima);
     }
     if (x < area.x1) {
-      restAvx2(area, x, y, static_cast<std::uint32_t>(blockedBits(area, x, y)), minima);
+      restAvx2(area, blockAt(area, x, y), minima);
     }
   }
   KernelBest best;
@@ -222,9 +236,9 @@ DAPPLE_AVX512 KernelBest searchAvx512Vnni(const KernelArea& area) {
   for (int y = area.y0; y < area.y1; ++y) {
     int x = area.x0;
     for (; x + 64 <= area.x1; x += 64) {
-      blockAvx512<4>(area, constant, x, y, blockedBits(area, x, y), minima);
+      blockAvx512<4>(area, constant, blockAt(area, x, y), minima);
     }
-    if (x < area.x1) restAvx512(area, constant, x, y, blockedBits(area, x, y), minima);
+    if (x < area.x1) restAvx512(area, constant, blockAt(area, x, y), minima);
   }
   KernelBest best;
   for (int v = 0; v < 4; ++v) {

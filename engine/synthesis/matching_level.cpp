@@ -56,6 +56,7 @@ DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::
                                SiteBlock& block) {
   const vec3 p = from.position, s = from.s, t = from.t, n = glm::cross(s, t);
   const float half = 0.5f * pixelsPerUnit;
+  count = (count + SiteBlock::kLanes - 1) / SiteBlock::kLanes * SiteBlock::kLanes;
   for (std::size_t a = 0; a < count; ++a) {
     const float vx = block.position[0][a] - p.x, vy = block.position[1][a] - p.y,
                 vz = block.position[2][a] - p.z;
@@ -112,20 +113,24 @@ bool MatchingLevel::offsetBetween(const MatchSite& a, const MatchSite& b, vec2& 
 
 void MatchingLevel::addCandidate(vec2 place, MatchScratch& scratch) const {
   const float merge = in_.merge;
-  for (const vec2& other : scratch.candidates) {  // nearly all of them: a piece agrees with itself
-    if (std::abs(place.x - other.x) < merge && std::abs(place.y - other.y) < merge) return;
+  for (MatchCandidate& other : scratch.candidates) {  // nearly always: a piece agrees with itself
+    if (std::abs(place.x - other.place.x) < merge && std::abs(place.y - other.place.y) < merge) {
+      ++other.votes;
+      return;
+    }
   }
   place = reader_.wrap(place);
   if (!reader_.inside(place.x, place.y)) return;
   const float w = in_.swatch.tileable ? static_cast<float>(in_.swatch.width) : 0;
   const float h = in_.swatch.tileable ? static_cast<float>(in_.swatch.height) : 0;
-  for (const vec2& other : scratch.candidates) {
-    if (distanceAround(place.x, other.x, w) < merge &&
-        distanceAround(place.y, other.y, h) < merge) {
+  for (MatchCandidate& other : scratch.candidates) {
+    if (distanceAround(place.x, other.place.x, w) < merge &&
+        distanceAround(place.y, other.place.y, h) < merge) {
+      ++other.votes;
       return;
     }
   }
-  scratch.candidates.push_back(place);
+  scratch.candidates.push_back({place, 1});
 }
 
 // Terms and predictions of scratch.near.
@@ -178,7 +183,7 @@ float MatchingLevel::errorAt(vec2 place, float bound, const MatchScratch& scratc
   const bool bounded = !in_.swatch.tileable;
   const std::size_t fine = scratch.fineTerms, count = scratch.offsets.size();
   const auto add = [&](const TexelReader& reader, std::size_t begin, std::size_t end, float sum) {
-    constexpr std::size_t kStride = 8;  // terms between two looks at the bound
+    constexpr std::size_t kStride = 4;  // terms between two looks at the bound
     while (begin < end) {
       Float4 squares{0, 0, 0, 0};
       const std::size_t stop = std::min(end, begin + kStride);
@@ -243,11 +248,18 @@ MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch&
   MatchChoice choice;
   float best = kInfinity;
   if (rules.coherent) {
-    for (const vec2& candidate : scratch.candidates) {
-      const float error = errorAt(candidate, best, scratch);
+    // The favourite first: the others then mostly exceed its error after a few terms.
+    const auto favourite = std::max_element(
+        scratch.candidates.begin(), scratch.candidates.end(),
+        [](const MatchCandidate& a, const MatchCandidate& b) { return a.votes < b.votes; });
+    if (favourite != scratch.candidates.end()) {
+      std::iter_swap(scratch.candidates.begin(), favourite);
+    }
+    for (const MatchCandidate& candidate : scratch.candidates) {
+      const float error = errorAt(candidate.place, best, scratch);
       if (error < best) {
         best = error;
-        choice.place = candidate;
+        choice.place = candidate.place;
       }
     }
   }
@@ -265,7 +277,8 @@ MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch&
   }
   if (best == kInfinity) {
     // No place takes all terms: prefer a prediction that is at least inside.
-    choice.place = scratch.candidates.empty() ? randomPlace(i, 0) : scratch.candidates.front();
+    choice.place =
+        scratch.candidates.empty() ? randomPlace(i, 0) : scratch.candidates.front().place;
     best = 0;
   }
   const auto samples = static_cast<float>(3 * std::max<std::size_t>(1, scratch.offsets.size()));

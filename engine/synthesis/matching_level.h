@@ -37,9 +37,16 @@ struct MatchChoice {
 // Sites around a point, one column for each number, so that their offsets are computed eight at a
 // time.
 struct SiteBlock {
-  static constexpr std::size_t kSize = 64;
-  float position[3][kSize], s[3][kSize], t[3][kSize];
-  float x[kSize], y[kSize];  // offsets, pixels; NaN where the site faces away or is out of sight
+  static constexpr std::size_t kSize = 64, kLanes = 8;
+  float position[3][kSize] = {}, s[3][kSize] = {}, t[3][kSize] = {};
+  float x[kSize] = {},
+        y[kSize] = {};  // offsets, pixels; NaN where the site faces away or is out of sight
+};
+
+// A place that `votes` neighbours predict.
+struct MatchCandidate {
+  vec2 place;
+  int votes;
 };
 
 // Working memory of one matching thread.
@@ -48,10 +55,10 @@ struct MatchScratch {
   std::vector<const MatchSite*> near;  // whose terms are wanted
   std::vector<vec2> offsets;           // of the terms, pixels (x right, y down)
   std::vector<Float4> colours;         // of the terms
-  std::size_t fineTerms = 0;       // the first ones are compared with layer 0, the others with 1
-  std::vector<vec2> candidates;    // distinct predictions, places
-  std::vector<Index> parents;      // distinct parents seen
-  std::vector<SearchTerm> search;  // terms as the exhaustive search takes them
+  std::size_t fineTerms = 0;  // the first ones are compared with layer 0, the others with 1
+  std::vector<MatchCandidate> candidates;  // distinct predictions
+  std::vector<Index> parents;              // distinct parents seen
+  std::vector<SearchTerm> search;          // terms as the exhaustive search takes them
 };
 
 class MatchingLevel {
