@@ -97,24 +97,16 @@ Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3>
   std::vector<vec3> turned;  // to the right, upwards, towards the eye
   turned.reserve(points.size());
   for (const vec3& p : points) {
-<<<<<<< HEAD
-    const vec3 q{glm::dot(p - centre, right), glm::dot(p - centre, up), glm::dot(p - centre, back)};
-=======
     const vec3 d = p - centre;
     const vec3& q = turned.emplace_back(glm::dot(d, right), glm::dot(d, up), glm::dot(d, back));
->>>>>>> render
     across.add(q.x, q.z);
     upwards.add(q.y, q.z);
     nearest = std::max(nearest, q.z);
     farthest = std::min(farthest, q.z);
   }
   const float distance = std::max({across.distance(), upwards.distance(), nearest + kSmallestSize});
-<<<<<<< HEAD
-  const vec3 axis = centre + across.shift() * right + upwards.shift() * up;
-=======
   const vec2 shift = centred(distance, turned);
   const vec3 axis = centre + shift.x * right + shift.y * up;
->>>>>>> render
   camera.eye = axis + distance * back;
   camera.target = axis;
   camera.up = up;

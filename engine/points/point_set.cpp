@@ -24,22 +24,6 @@ std::uint64_t spreadBits(std::uint64_t x) {
   return x;
 }
 
-<<<<<<< HEAD
-// Stable sort by a digit after the other, from the lowest: ties keep the order of the ids.
-std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes,
-                           const std::function<void()>& checkpoint) {
-  struct Entry {
-    std::uint64_t code;
-    Index id;
-  };
-  const std::size_t n = codes.size();
-  std::vector<Index> order(n);
-  std::iota(order.begin(), order.end(), Index{0});
-  if (std::is_sorted(codes.begin(), codes.end())) return order;  // a loaded scan
-  std::vector<Entry> entries(n), sorted(n);
-  for (std::size_t i = 0; i < n; ++i) entries[i] = {codes[i], static_cast<Index>(i)};
-  for (int shift = 0; shift < 3 * kGridBits; shift += kDigitBits) {
-=======
 using Checkpoint = std::function<void()>;
 
 // Sorts by the upper half of each entry, a digit after the other from the lowest; the lower half,
@@ -47,7 +31,6 @@ using Checkpoint = std::function<void()>;
 void radixSort(std::vector<std::uint64_t>& entries, const Checkpoint& checkpoint) {
   std::vector<std::uint64_t> sorted(entries.size());
   for (int shift = 32; shift < 64; shift += kDigitBits) {
->>>>>>> io
     checkpoint();
     std::array<std::size_t, kDigits> next{};
     const auto digit = [shift](std::uint64_t entry) { return (entry >> shift) & (kDigits - 1); };
@@ -56,9 +39,6 @@ void radixSort(std::vector<std::uint64_t>& entries, const Checkpoint& checkpoint
     for (const std::uint64_t entry : entries) sorted[next[digit(entry)]++] = entry;
     entries.swap(sorted);
   }
-<<<<<<< HEAD
-  for (std::size_t i = 0; i < n; ++i) order[i] = entries[i].id;
-=======
 }
 
 Index idOf(std::uint64_t entry) {
@@ -69,10 +49,12 @@ Index idOf(std::uint64_t entry) {
 // entries of 8 bytes for most of the work.
 std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes, const Checkpoint& checkpoint) {
   const std::size_t n = codes.size();
+  std::vector<Index> order(n);
+  std::iota(order.begin(), order.end(), Index{0});
+  if (std::is_sorted(codes.begin(), codes.end())) return order;  // a loaded scan is
   std::vector<std::uint64_t> entries(n), run;
   for (std::size_t i = 0; i < n; ++i) entries[i] = codes[i] >> kLowBits << 32 | i;
   radixSort(entries, checkpoint);
-  std::vector<Index> order(n);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     run.clear();
     for (; end < n && entries[end] >> 32 == entries[begin] >> 32; ++end) {
@@ -83,7 +65,6 @@ std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes, const Checkp
     if (run.size() <= kLongRun && run.size() > 1) std::sort(run.begin(), run.end());
     for (std::size_t k = 0; k < run.size(); ++k) order[begin + k] = idOf(run[k]);
   }
->>>>>>> io
   return order;
 }
 
