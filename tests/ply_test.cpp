@@ -17,7 +17,7 @@ template <class T>
 Property makeColumn(const char* name, ScalarType type, const std::vector<T>& values) {
   Property p{.name = name, .type = type};
   p.values.resize(values.size() * sizeof(T));
-  std::memcpy(p.values.data(), values.data(), p.values.size());
+  if (!values.empty()) std::memcpy(p.values.data(), values.data(), p.values.size());
   return p;
 }
 

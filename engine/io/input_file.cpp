@@ -48,7 +48,7 @@ InputFile::~InputFile() {
 }
 
 void InputFile::fill(std::size_t count) {
-  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  if (begin_ > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
   if (buffer_.size() < std::max(count, kBlock)) buffer_.resize(std::max(count, kBlock));

@@ -49,6 +49,14 @@ RecordTable readTable(const std::string& format, InputFile& file, Monitor& monit
   return format == "obj" ? readObj(file, monitor) : readXyz(file, monitor);
 }
 
+template <class Body>
+void forChunks(std::size_t count, Monitor& monitor, const Body& body) {
+  for (std::size_t begin = 0; begin < count; begin += kChunk) {
+    monitor.checkpoint();
+    for (std::size_t i = begin; i < std::min(count, begin + kChunk); ++i) body(i);
+  }
+}
+
 bool isFinite(const dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -99,12 +107,12 @@ RecordTable resample(const RecordTable& table, const std::string& path, const Lo
 
 // Sets origin and modelUnits; halves keep the extent of the widest doubles finite.
 void setLocalFrame(const std::vector<dvec3>& positions, const std::vector<std::size_t>& finite,
-                   PointSet& points) {
+                   PointSet& points, Monitor& monitor) {
   dvec3 low = positions[finite[0]] / 2.0, high = low;
-  for (const std::size_t r : finite) {
-    low = glm::min(low, positions[r] / 2.0);
-    high = glm::max(high, positions[r] / 2.0);
-  }
+  forChunks(finite.size(), monitor, [&](std::size_t i) {
+    low = glm::min(low, positions[finite[i]] / 2.0);
+    high = glm::max(high, positions[finite[i]] / 2.0);
+  });
   points.origin = low + high;
   const dvec3 half = high - low;
   const double extent = std::max({half.x, half.y, half.z});
@@ -121,7 +129,11 @@ std::vector<Index> findTwins(const std::vector<vec3>& positions,
   std::vector<Index> twin(positions.size());
   std::iota(twin.begin(), twin.end(), Index{0});
   std::vector<Index> cell;
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+  for (std::size_t begin = 0, end = 0, checked = 0; begin < order.size(); begin = end) {
+    if (begin - checked >= kChunk) {
+      monitor.checkpoint();
+      checked = begin;
+    }
     const std::uint64_t code = codes[order[begin]];
     while (end < order.size() && codes[order[end]] == code) ++end;
     if (end - begin == 1) continue;
@@ -142,8 +154,9 @@ std::vector<Index> findTwins(const std::vector<vec3>& positions,
 void placePoints(const std::vector<dvec3>& positions, Scan& scan, Monitor& monitor) {
   std::vector<std::size_t> finite;
   finite.reserve(positions.size());
-  for (std::size_t r = 0; r < positions.size(); ++r)
+  forChunks(positions.size(), monitor, [&](std::size_t r) {
     if (isFinite(positions[r])) finite.push_back(r);
+  });
   scan.nonFinite = positions.size() - finite.size();
   if (finite.empty())
     throw InvalidInput(fmt::format(
@@ -152,46 +165,50 @@ void placePoints(const std::vector<dvec3>& positions, Scan& scan, Monitor& monit
         scan.path, positions.size()));
   monitor.checkpoint();
   PointSet& points = scan.points;
-  setLocalFrame(positions, finite, points);
+  setLocalFrame(positions, finite, points, monitor);
   std::vector<vec3> local(finite.size());
   parallelFor(monitor, local.size(), kChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       local[i] = vec3((positions[finite[i]] - points.origin) / points.modelUnits);
   });
-  const std::vector<std::uint64_t> codes = mortonCodes(local);
+  const std::vector<std::uint64_t> codes = mortonCodes(local, monitor);
   const std::vector<Index> order = orderByCode(codes, monitor);
   const std::vector<Index> twin = findTwins(local, codes, order, monitor);
   scan.pointOf.assign(positions.size(), kNone);
   points.positions.reserve(order.size());
   scan.record.reserve(order.size());
-  for (const Index i : order) {
-    if (twin[i] != i) continue;
+  forChunks(order.size(), monitor, [&](std::size_t k) {
+    const Index i = order[k];
+    if (twin[i] != i) return;
     scan.pointOf[finite[i]] = static_cast<Index>(points.positions.size());
     points.positions.push_back(local[i]);
     scan.record.push_back(finite[i]);
-  }
-  for (std::size_t i = 0; i < twin.size(); ++i)
+  });
+  forChunks(twin.size(), monitor, [&](std::size_t i) {
     if (twin[i] != i) scan.pointOf[finite[i]] = scan.pointOf[finite[twin[i]]];
+  });
   scan.duplicates = finite.size() - points.size();
 }
 
-SurfaceMesh meshOfPoints(const SurfaceMesh& ofRecords, const std::vector<Index>& pointOf) {
+SurfaceMesh meshOfPoints(const SurfaceMesh& ofRecords, const std::vector<Index>& pointOf,
+                         Monitor& monitor) {
   SurfaceMesh mesh;
   mesh.triangles.reserve(ofRecords.triangles.size());
-  for (const auto& triangle : ofRecords.triangles) {
+  forChunks(ofRecords.triangles.size(), monitor, [&](std::size_t i) {
+    const auto& triangle = ofRecords.triangles[i];
     const std::array<Index, 3> t = {pointOf[triangle[0]], pointOf[triangle[1]],
                                     pointOf[triangle[2]]};
     const bool whole = t[0] != kNone && t[1] != kNone && t[2] != kNone;
     if (whole && t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) mesh.triangles.push_back(t);
-  }
+  });
   return mesh;
 }
 
-std::vector<vec3> gather(const std::vector<vec3>& ofRecords,
-                         const std::vector<std::size_t>& record) {
+std::vector<vec3> gather(const std::vector<vec3>& ofRecords, const std::vector<std::size_t>& record,
+                         Monitor& monitor) {
   if (ofRecords.empty()) return {};
   std::vector<vec3> column(record.size());
-  for (std::size_t i = 0; i < column.size(); ++i) column[i] = ofRecords[record[i]];
+  forChunks(column.size(), monitor, [&](std::size_t i) { column[i] = ofRecords[record[i]]; });
   return column;
 }
 
@@ -224,10 +241,10 @@ Scan loadScan(const std::filesystem::path& path, const LoadOptions& options, Mon
     throw InvalidInput(scan.path + ": there are no points in this file. Export the scan again.");
   placePoints(positions, scan, monitor);
   monitor.checkpoint();
-  scan.mesh = meshOfPoints(readTriangles(scan.table, scan.path, monitor), scan.pointOf);
-  scan.points.normals = gather(readNormals(scan.table, monitor), scan.record);
+  scan.mesh = meshOfPoints(readTriangles(scan.table, scan.path, monitor), scan.pointOf, monitor);
+  scan.points.normals = gather(readNormals(scan.table, monitor), scan.record, monitor);
   mendNormals(scan.points.normals);
-  scan.points.colours = gather(readColours(scan.table, monitor), scan.record);
+  scan.points.colours = gather(readColours(scan.table, monitor), scan.record, monitor);
   monitor.checkpoint();
   return scan;
 }

@@ -12,6 +12,7 @@ constexpr int kGridBits = 21;  // three of them fill 63 bits
 constexpr int kLowBits = 31;   // of a code, sorted only among equal upper 32
 constexpr int kDigitBits = 11;
 constexpr std::size_t kLongRun = 4096;
+constexpr std::size_t kChunk = 1 << 16;  // between checkpoints
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 
 // The 21 bits of x, two zeros after each.
@@ -26,20 +27,60 @@ std::uint64_t spreadBits(std::uint64_t x) {
 
 using Checkpoint = std::function<void()>;
 
+template <class Body>
+void forChunks(std::size_t count, const Checkpoint& checkpoint, const Body& body) {
+  for (std::size_t begin = 0; begin < count; begin += kChunk) {
+    checkpoint();
+    for (std::size_t i = begin; i < std::min(count, begin + kChunk); ++i) body(i);
+  }
+}
+
 // Sorts by the upper half of each entry, a digit after the other from the lowest; the lower half,
 // an id, rises already where the upper halves are equal.
 void radixSort(std::vector<std::uint64_t>& entries, const Checkpoint& checkpoint) {
   std::vector<std::uint64_t> sorted(entries.size());
   for (int shift = 32; shift < 64; shift += kDigitBits) {
-    checkpoint();
     std::array<std::size_t, kDigits> next{};
     const auto digit = [shift](std::uint64_t entry) { return (entry >> shift) & (kDigits - 1); };
-    for (const std::uint64_t entry : entries) ++next[digit(entry)];
+    forChunks(entries.size(), checkpoint, [&](std::size_t i) { ++next[digit(entries[i])]; });
     std::exclusive_scan(next.begin(), next.end(), next.begin(), std::size_t{0});
-    for (const std::uint64_t entry : entries) sorted[next[digit(entry)]++] = entry;
+    forChunks(entries.size(), checkpoint,
+              [&](std::size_t i) { sorted[next[digit(entries[i])]++] = entries[i]; });
     entries.swap(sorted);
   }
 }
+
+// 2^21 cubes a side over the bounds of the positions.
+class Grid {
+ public:
+  Grid(const std::vector<vec3>& positions, const Checkpoint& checkpoint) {
+    if (positions.empty()) return;
+    vec3 low = positions[0], high = positions[0];
+    forChunks(positions.size(), checkpoint, [&](std::size_t i) {
+      low = glm::min(low, positions[i]);
+      high = glm::max(high, positions[i]);
+    });
+    const dvec3 size = dvec3(high) - dvec3(low);
+    const double extent = std::max({size.x, size.y, size.z});
+    low_ = dvec3(low);
+    if (extent > 0) scale_ = kCells / extent;
+  }
+
+  std::uint64_t code(const vec3& position) const {
+    const dvec3 at = (dvec3(position) - low_) * scale_;
+    return spreadBits(cell(at.x)) | spreadBits(cell(at.y)) << 1 | spreadBits(cell(at.z)) << 2;
+  }
+
+ private:
+  static constexpr double kCells = std::uint64_t{1} << kGridBits;
+
+  static std::uint64_t cell(double at) {
+    return static_cast<std::uint64_t>(at < kCells - 1 ? at : kCells - 1);
+  }
+
+  dvec3 low_{0};
+  double scale_ = 0;
+};
 
 Index idOf(std::uint64_t entry) {
   return static_cast<Index>(entry);
@@ -55,7 +96,11 @@ std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes, const Checkp
   std::vector<std::uint64_t> entries(n), run;
   for (std::size_t i = 0; i < n; ++i) entries[i] = codes[i] >> kLowBits << 32 | i;
   radixSort(entries, checkpoint);
-  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+  for (std::size_t begin = 0, end = 0, checked = 0; begin < n; begin = end) {
+    if (begin - checked >= kChunk) {
+      checkpoint();
+      checked = begin;
+    }
     run.clear();
     for (; end < n && entries[end] >> 32 == entries[begin] >> 32; ++end) {
       const Index id = idOf(entries[end]);
@@ -70,26 +115,12 @@ std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes, const Checkp
 
 }  // namespace
 
-std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions) {
-  if (positions.empty()) return {};
-  dvec3 low(positions[0]), high(positions[0]);
-  for (const vec3& p : positions) {
-    low = glm::min(low, dvec3(p));
-    high = glm::max(high, dvec3(p));
-  }
-  const dvec3 size = high - low;
-  const double extent = std::max({size.x, size.y, size.z});
-  const double cells = static_cast<double>(std::uint64_t{1} << kGridBits);
-  const double scale = extent > 0 ? cells / extent : 0;
-  const auto cell = [&](double x) {
-    const double at = x * scale;
-    return static_cast<std::uint64_t>(at < cells - 1 ? at : cells - 1);
-  };
+std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions, Monitor& monitor) {
+  const Grid grid(positions, [&] { monitor.checkpoint(); });
   std::vector<std::uint64_t> codes(positions.size());
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const dvec3 p = dvec3(positions[i]) - low;
-    codes[i] = spreadBits(cell(p.x)) | spreadBits(cell(p.y)) << 1 | spreadBits(cell(p.z)) << 2;
-  }
+  parallelFor(monitor, codes.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) codes[i] = grid.code(positions[i]);
+  });
   return codes;
 }
 
@@ -98,7 +129,10 @@ std::vector<Index> orderByCode(const std::vector<std::uint64_t>& codes, Monitor&
 }
 
 std::vector<Index> mortonOrder(const std::vector<vec3>& positions) {
-  return orderOf(mortonCodes(positions), [] {});
+  const Grid grid(positions, [] {});
+  std::vector<std::uint64_t> codes(positions.size());
+  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = grid.code(positions[i]);
+  return orderOf(codes, [] {});
 }
 
 }  // namespace dapple

@@ -31,12 +31,12 @@ struct TangentFrame {
 
 // The cell of each point (n) along the Morton (Z) curve of a grid of 2^21 cubes a side over their
 // bounds. Positions are finite.
-std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions);
+std::vector<std::uint64_t> mortonCodes(const std::vector<vec3>& positions, Monitor& monitor);
 
 // Ids of the points in the order of their codes; ties by id.
 std::vector<Index> orderByCode(const std::vector<std::uint64_t>& codes, Monitor& monitor);
 
-// The same for the codes of these positions, without a way to stop it.
+// Both at once, on one thread and without a way to stop it.
 std::vector<Index> mortonOrder(const std::vector<vec3>& positions);
 
 }  // namespace dapple
