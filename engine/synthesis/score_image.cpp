@@ -14,6 +14,9 @@ namespace {
 constexpr float kLeastStretch = 0.7f, kMostStretch = 1.4f;
 constexpr float kFirstDamping = 1e-2f;
 constexpr float kSettled = 2e-3f;  // steps of a parameter (window nodes) below which it has settled
+// A window of the surface may reach a step beyond its border, where nodes see only what is inside;
+// so may those of the swatch, which continues its border texels.
+constexpr float kOverhang = 1;
 constexpr int kTries = 64;
 
 constexpr float kEighth = std::numbers::pi_v<float> / 8;
@@ -147,13 +150,18 @@ bool ScoreImage::someWindowFits() const {
   return false;
 }
 
+// How far from the border the centre must stay.
+vec2 ScoreImage::rimOf(const Placement& p) const {
+  return kWindowReach * step_ * (glm::abs(p.right) + glm::abs(p.up)) - kOverhang * step_ + 0.5f;
+}
+
 bool ScoreImage::holds(const Placement& p) const {
   if (free()) return true;
   const float w = static_cast<float>(width()), h = static_cast<float>(height());
-  const float reach = kWindowReach * step_;
-  const float x = reach * (std::abs(p.right.x) + std::abs(p.up.x)) + 0.499f;
-  const float y = reach * (std::abs(p.right.y) + std::abs(p.up.y)) + 0.499f;
-  if (p.centre.x < x || p.centre.x > w - x || p.centre.y < y || p.centre.y > h - y) return false;
+  const vec2 rim = 0.999f * rimOf(p);
+  if (glm::any(glm::lessThan(p.centre, rim)) ||
+      glm::any(glm::greaterThan(p.centre, vec2(w, h) - rim)))
+    return false;
   if (!swatch_.hasHoles) return true;
   for (int i = 0; i < kWindowNodes; ++i) {
     const vec2 at = p.centre + step_ * (kNodes.u[i] * p.right + kNodes.v[i] * p.up);
@@ -242,8 +250,7 @@ Placement ScoreImage::restrained(Placement p, TurnLimit limit) const {
   if (wraps_) {
     p.centre -= size * glm::floor(p.centre / size);
   } else {
-    const float reach = kWindowReach * step_;
-    const vec2 rim = 0.5f + reach * (glm::abs(p.right) + glm::abs(p.up));
+    const vec2 rim = rimOf(p);
     for (int axis = 0; axis < 2; ++axis)
       p.centre[axis] = 2 * rim[axis] < size[axis]
                            ? std::clamp(p.centre[axis], rim[axis], size[axis] - rim[axis])

@@ -35,7 +35,8 @@ class ScoreImage {
   bool wraps() const { return wraps_; }
   double contrast() const { return contrast_; }  // of the blurred image, as swatchContrast
 
-  // True when every node reads opaque texels inside the image (or the image wraps).
+  // True when every node reads opaque texels, at most a step beyond the border (or the image
+  // wraps).
   bool holds(const Placement& placement) const;
 
   // A place that a perfect mapping could show: at random in the swatch, its window inside, turned
@@ -55,6 +56,7 @@ class ScoreImage {
   Placement restrained(Placement placement, TurnLimit limit) const;
   bool free() const { return wraps_ || relaxed_; }
   bool someWindowFits() const;
+  vec2 rimOf(const Placement& placement) const;
 
   const Swatch& swatch_;
   float step_;

@@ -108,7 +108,8 @@ __attribute__((target("avx2"))) void searchPartAvx2(const SearchTable& table, st
 }
 #endif
 
-SearchPart bestSearchPart() {
+SearchPart searchPartFor(SearchPath path) {
+  if (path == SearchPath::Portable) return searchPartBase;
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) return searchPartAvx2;
 #endif
@@ -135,7 +136,7 @@ Placement ScorePatches::placementOf(std::size_t place, std::size_t turn) const {
 void ScorePatches::choosePlaces(std::uint64_t seed) {
   const float w = static_cast<float>(image_.width()), h = static_cast<float>(image_.height());
   // Where no window may cross the border, none has its centre near it.
-  const float rim = image_.wraps() ? 0.0f : kWindowReach * image_.step() + 0.5f;
+  const float rim = image_.wraps() ? 0.0f : (kWindowReach - 1) * image_.step() + 0.5f;
   const double area = static_cast<double>(w - 2 * rim) * (h - 2 * rim);
   const auto count = static_cast<std::size_t>(
       std::clamp(area, static_cast<double>(kParts), static_cast<double>(kPlaces)));
@@ -212,9 +213,10 @@ PatchCode ScorePatches::encode(const Window& window) const {
   return code;
 }
 
-std::vector<PatchStarts> ScorePatches::search(std::span<const PatchCode> codes) const {
+std::vector<PatchStarts> ScorePatches::search(std::span<const PatchCode> codes,
+                                              SearchPath path) const {
   const SearchTable table{codes_.data(), halfNorms_.data(), places_.size()};
-  const SearchPart searchPartOn = bestSearchPart();
+  const SearchPart searchPartOn = searchPartFor(path);
   const std::size_t blocks = (codes.size() + kQueryBlock - 1) / kQueryBlock;
   std::vector<PatchCode> queries(codes.begin(), codes.end());
   queries.resize(blocks * kQueryBlock, PatchCode{});

@@ -17,6 +17,9 @@ inline constexpr int kPatchStarts = 6;    // placements that a search proposes
 using PatchCode = std::array<float, kPatchNumbers>;
 using PatchStarts = std::array<Placement, kPatchStarts>;
 
+// Which code searches; all give the same bits. Best: the widest that the processor knows.
+enum class SearchPath { Best, Portable };
+
 class ScorePatches {
  public:
   // Up to 6000 places x 16 turns (over the full circle, or evenly within the limit). `image` is
@@ -30,7 +33,8 @@ class ScorePatches {
 
   // For each code the placements whose codes are nearest, nearest first, each from another part of
   // the swatch (48 parts).
-  std::vector<PatchStarts> search(std::span<const PatchCode> codes) const;
+  std::vector<PatchStarts> search(std::span<const PatchCode> codes,
+                                  SearchPath path = SearchPath::Best) const;
 
  private:
   using Numbers = std::array<float, kWindowNumbers>;

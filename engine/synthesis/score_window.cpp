@@ -1,5 +1,6 @@
 #include "synthesis/score_window.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dapple {
@@ -9,8 +10,11 @@ namespace {
 // steps, four sigmas, away. So the grid needs a rim of three nodes that nobody reads.
 constexpr int kRim = 3;
 constexpr int kPaddedSide = kWindowSide + 2 * kRim;
-// A node counts as covered when the weights there add up to that of one point a step away.
-const float kCovered = std::exp(-2.0f);
+// A node is covered when its weights add up to at least that of one point 1.6 steps away, and,
+// where points are many, to no less than chance leaves: for points at random the sum has a variance
+// of half its mean.
+const float kLeastWeight = std::exp(-2 * 1.6f * 1.6f);
+constexpr float kChance = 3.5f;  // standard deviations
 
 // Gaussian of half a step at the four nodes from `first` on, seen from x (both in steps).
 Float4 fourWeights(float x, float first) {
@@ -62,13 +66,14 @@ void WindowSampler::place(std::span<const FlatPoint> points, float step, float t
     samples_.push_back({point.id, p});
     weights_.push_back(weights);
   }
-  complete_ = true;
-  for (int row = 0; row < kWindowSide; ++row)
-    for (int column = 0; column < kWindowSide; ++column) {
-      const float weight = total[paddedIndex(row, column)][0];
-      total_[row * kWindowSide + column] = weight;
-      complete_ = complete_ && weight >= kCovered;
-    }
+  float sum = 0;
+  for (int node = 0; node < kWindowNodes; ++node) {
+    total_[node] = total[paddedIndex(node / kWindowSide, node % kWindowSide)][0];
+    sum += total_[node];
+  }
+  const float mean = sum / kWindowNodes;
+  const float least = std::max(kLeastWeight, mean - kChance * std::sqrt(0.5f * mean));
+  complete_ = *std::min_element(total_.begin(), total_.end()) >= least;
 }
 
 Window WindowSampler::window(std::span<const Float4> colours) const {

@@ -1,7 +1,8 @@
 // Windows of the surface are flattened (points/tangent_patch), resampled to 8 x 8 colours, and
 // looked for in the swatch. The same windows, with the same points, are also filled by a perfect
 // mapping; what the perfect ones fail to reach is the measure's own noise, and the distribution of
-// the actual ones is compared with theirs. (The methods' study used a separate plane of points for
+// the actual ones is compared with theirs; a second perfect mapping tells how much two equally good
+// ones differ by chance. (The methods' study used a separate plane of points for
 // this; the windows' own points have the scan's density and irregularity wherever it varies.)
 #include "synthesis/texture_score.h"
 
@@ -33,6 +34,8 @@ constexpr std::size_t kPerfectShare = 4;  // of so many windows one is also fitt
 constexpr float kTolerance = 20 * std::numbers::pi_v<float> / 180;  // of the oriented figures
 constexpr double kLeastThreshold = 0.3, kThresholdFactor = 1.5;
 constexpr double kSlicedFloor = 0.045, kSlicedRange = 0.25;
+constexpr double kThinned = 0.8;         // spacing aimed at where points are denser, pixels
+constexpr double kPrefilterFrom = 1.05;  // pixels a point
 constexpr float kUnfit = std::numeric_limits<float>::quiet_NaN();
 constexpr int kFirstIterations = 3, kLastIterations = 8;
 
@@ -42,7 +45,7 @@ struct Judge {
   bool oriented = false;
   std::uint64_t number = 0;
   std::vector<float> residual, perfectResidual;  // NaN where not fitted
-  std::vector<PatchCode> codes, perfectCodes;
+  std::vector<PatchCode> codes, perfectCodes, secondCodes;
   std::vector<std::uint8_t> evaluated;
 
   const ScoreImage& image() const { return patches->image(); }
@@ -106,28 +109,24 @@ Float4 weighable(vec3 colour) {
   return Float4{colour.x, colour.y, colour.z, 0};
 }
 
-struct WindowPair {
-  Window actual, perfect;
-};
+Window actualWindow(const Context& context, const WindowSampler& sampler) {
+  std::vector<Float4> colours;
+  for (const WindowSampler::Sample& sample : sampler.samples())
+    colours.push_back(weighable(context.input.colours[sample.id]));
+  return sampler.window(colours);
+}
 
-// The window around a flattened centre as it is and as a perfect mapping would fill it.
-WindowPair resample(const Context& context, const WindowSampler& sampler,
-                    const Placement& placement) {
-  const auto& samples = sampler.samples();
+// The same points as a perfect mapping would colour them.
+Window perfectWindow(const Context& context, const WindowSampler& sampler,
+                     const Placement& placement) {
   const float height = static_cast<float>(context.perfect.height);
-  std::vector<Float4> colours(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    colours[i] = weighable(context.input.colours[samples[i].id]);
-  WindowPair pair;
-  pair.actual = sampler.window(colours);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const vec2 at = placement.centre + (samples[i].position.x * placement.right +
-                                        samples[i].position.y * placement.up) /
-                                           context.input.unit;
-    colours[i] = weighable(sampleSwatch(context.perfect, {at.x, height - at.y}));
+  std::vector<Float4> colours;
+  for (const WindowSampler::Sample& sample : sampler.samples()) {
+    const vec2 p = sample.position / context.input.unit;
+    const vec2 at = placement.centre + p.x * placement.right + p.y * placement.up;
+    colours.push_back(weighable(sampleSwatch(context.perfect, {at.x, height - at.y})));
   }
-  pair.perfect = sampler.window(colours);
-  return pair;
+  return sampler.window(colours);
 }
 
 // Distance of a window to the nearest one of the swatch: all starts a few steps, the two best on.
@@ -161,12 +160,17 @@ void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std:
   sampler.place(flat, image.step() * context.input.unit, turn);
   if (!sampler.complete()) return;
   const TurnLimit upright{judge.oriented ? 0.0f : 4.0f};
-  const WindowPair pair = resample(context, sampler, image.randomPlacement(upright, seed, e));
+  const Window actual = actualWindow(context, sampler);
+  const auto perfect = [&](std::uint64_t draw) {
+    return perfectWindow(context, sampler, image.randomPlacement(upright, seed, 2 * e + draw));
+  };
+  const Window first = perfect(0);
   judge.evaluated[e] = 1;
-  judge.codes[e] = judge.patches->encode(pair.actual);
-  judge.perfectCodes[e] = judge.patches->encode(pair.perfect);
-  queries.push_back({pair.actual, &judge.residual[e]});
-  if (e % kPerfectShare == 0) queries.push_back({pair.perfect, &judge.perfectResidual[e]});
+  judge.codes[e] = judge.patches->encode(actual);
+  judge.perfectCodes[e] = judge.patches->encode(first);
+  judge.secondCodes[e] = judge.patches->encode(perfect(1));
+  queries.push_back({actual, &judge.residual[e]});
+  if (e % kPerfectShare == 0) queries.push_back({first, &judge.perfectResidual[e]});
 }
 
 void evaluate(const Context& context, std::size_t begin, std::size_t end,
@@ -201,7 +205,7 @@ ScaleScore summarise(const Judge& judge, std::uint64_t seed) {
   // A swatch of one colour has no contrast to compare with: then any difference counts in full.
   const double sigma = std::max(judge.image().contrast(), 1e-3);
   std::vector<double> residuals, perfect;
-  std::vector<PatchCode> codes, perfectCodes;
+  std::vector<PatchCode> codes, perfectCodes, secondCodes;
   double sum = 0;
   for (std::size_t e = 0; e < judge.evaluated.size(); ++e) {
     if (!judge.evaluated[e]) continue;
@@ -209,6 +213,7 @@ ScaleScore summarise(const Judge& judge, std::uint64_t seed) {
     sum += residuals.back();
     codes.push_back(judge.codes[e]);
     perfectCodes.push_back(judge.perfectCodes[e]);
+    secondCodes.push_back(judge.secondCodes[e]);
     if (!std::isnan(judge.perfectResidual[e])) perfect.push_back(judge.perfectResidual[e] / sigma);
   }
   ScaleScore score{.step = judge.image().step()};
@@ -221,44 +226,85 @@ ScaleScore summarise(const Judge& judge, std::uint64_t seed) {
   for (double r : residuals) score.defects += r > score.threshold;
   score.defects /= count;
   score.sliced = slicedDistance(codes, perfectCodes, seed);
+  score.slicedNoise = slicedDistance(secondCodes, perfectCodes, seed);
   return score;
 }
 
 double figureOfMerit(const ScaleScore& score) {
+  // Departure: the floor rises with the noise, as the threshold of the defects does.
+  const double floor = std::max(kSlicedFloor, score.slicedNoise);
   return (1 - score.defects) *
-         std::max(0.0, 1 - std::max(0.0, score.sliced - kSlicedFloor) / kSlicedRange);
+         std::max(0.0, 1 - std::max(0.0, score.sliced - floor) / kSlicedRange);
 }
 
-}  // namespace
+// Every so many-th point of a scan that is much denser than the swatch: one at random of each run
+// along the Morton curve, so that they stay evenly spread.
+struct Thinned {
+  PointSet points;
+  Neighborhoods neighborhoods;
+  std::vector<vec3> colours, directions;
 
-TextureScore scoreTexture(const ScoreInput& input, const ScoreOptions& options, Monitor& monitor) {
-  checkInput(input, options);
-  const double ratio = std::max(1.0, meanSpacing(input.neighborhoods) / input.unit);
-  // Where one point stands for several pixels, a perfect mapping reads them all.
-  Swatch prefiltered = input.swatch;
-  prefiltered.stack.resize(1);
-  if (ratio > 1.05) prefiltered.stack[0] = blurSwatch(input.swatch, 0.5 * ratio);
-  Context context{input, options, prefiltered, chooseCentres(input.points.size(), options)};
-  context.radius = static_cast<float>((kReach + kMargin) * ratio * kScales.back() * input.unit);
+  ScoreInput input(const ScoreInput& full) const {
+    return {points,
+            neighborhoods,
+            colours,
+            full.swatch,
+            full.unit,
+            nullptr,
+            full.directions ? &directions : nullptr};
+  }
+};
 
-  std::vector<std::unique_ptr<ScoreImage>> images;
+Thinned thin(const ScoreInput& full, std::size_t run, std::uint64_t seed, Monitor& monitor) {
+  Thinned thinned;
+  for (std::size_t begin = 0; begin + run <= full.points.size(); begin += run) {
+    const std::size_t i = begin + hashBelow(run, seed, begin, 5);
+    thinned.points.positions.push_back(full.points.positions[i]);
+    thinned.points.normals.push_back(full.points.normals[i]);
+    thinned.colours.push_back(full.colours[i]);
+    if (full.directions) thinned.directions.push_back((*full.directions)[i]);
+  }
+  thinned.neighborhoods = buildNeighborhoods(thinned.points.positions, kNeighbours, monitor);
+  return thinned;
+}
+
+std::vector<Judge> makeJudges(const Context& context,
+                              const std::vector<std::unique_ptr<ScoreImage>>& images,
+                              Monitor& monitor) {
   std::vector<Judge> judges;
-  for (double scale : kScales)
-    images.push_back(std::make_unique<ScoreImage>(input.swatch, ratio * scale));
   for (bool oriented : {false, true}) {
-    if (oriented && !input.directions) continue;
-    for (std::size_t s = 0; s < kScales.size(); ++s) {
+    if (oriented && !context.input.directions) continue;
+    for (const auto& image : images) {
       Judge judge{.oriented = oriented, .number = judges.size()};
       const TurnLimit limit = oriented ? TurnLimit{kTolerance} : TurnLimit{};
-      judge.patches = std::make_unique<ScorePatches>(*images[s], limit, options.seed, monitor);
-      judge.residual.assign(context.centres.size(), kUnfit);
-      judge.perfectResidual = judge.residual;
-      judge.codes.resize(context.centres.size());
-      judge.perfectCodes.resize(context.centres.size());
-      judge.evaluated.assign(context.centres.size(), 0);
+      judge.patches = std::make_unique<ScorePatches>(*image, limit, context.options.seed, monitor);
+      const std::size_t count = context.centres.size();
+      judge.residual.assign(count, kUnfit);
+      judge.perfectResidual.assign(count, kUnfit);
+      judge.codes.resize(count);
+      judge.perfectCodes.resize(count);
+      judge.secondCodes.resize(count);
+      judge.evaluated.assign(count, 0);
       judges.push_back(std::move(judge));
     }
   }
+  return judges;
+}
+
+// The window figures: `spacing` is that of input.points.
+TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, double spacing,
+                          Monitor& monitor) {
+  const double ratio = std::max(1.0, spacing / input.unit);
+  // Where one point stands for several pixels, a perfect mapping reads them all.
+  Swatch prefiltered = input.swatch;
+  prefiltered.stack.resize(1);
+  if (ratio > kPrefilterFrom) prefiltered.stack[0] = blurSwatch(input.swatch, 0.5 * ratio);
+  Context context{input, options, prefiltered, chooseCentres(input.points.size(), options)};
+  context.radius = static_cast<float>((kReach + kMargin) * ratio * kScales.back() * input.unit);
+  std::vector<std::unique_ptr<ScoreImage>> images;
+  for (double scale : kScales)
+    images.push_back(std::make_unique<ScoreImage>(input.swatch, ratio * scale));
+  std::vector<Judge> judges = makeJudges(context, images, monitor);
 
   monitor.begin(Stage::Score, context.centres.size());
   parallelFor(
@@ -280,6 +326,23 @@ TextureScore scoreTexture(const ScoreInput& input, const ScoreOptions& options, 
     for (std::size_t s = 0; s < kScales.size(); ++s)
       (*score.oriented)[s] = summarise(judges[kScales.size() + s], options.seed);
     score.orientedF = figureOfMerit((*score.oriented)[1]);
+  }
+  return score;
+}
+
+}  // namespace
+
+TextureScore scoreTexture(const ScoreInput& input, const ScoreOptions& options, Monitor& monitor) {
+  checkInput(input, options);
+  const double spacing = meanSpacing(input.neighborhoods);
+  const auto run = static_cast<std::size_t>(std::pow(kThinned * input.unit / spacing, 2));
+  TextureScore score;
+  if (run >= 2 && input.points.size() / run >= kLeastPoints) {
+    const Thinned thinned = thin(input, run, options.seed, monitor);
+    score =
+        scoreWindows(thinned.input(input), options, meanSpacing(thinned.neighborhoods), monitor);
+  } else {
+    score = scoreWindows(input, options, spacing, monitor);
   }
   if (input.map) {
     const SeamFigures figures = seamFigures(input, monitor);

@@ -26,7 +26,7 @@ struct ScoreInput {
 };
 
 struct ScoreOptions {
-  std::size_t evaluationPoints = 2000;  // [50, 100000]
+  std::size_t evaluationPoints = 2000;  // [50, 100000]; compare figures of equal numbers only
   std::uint64_t seed = 1;
 };
 
@@ -39,12 +39,15 @@ struct ScaleScore {
   double defects = 0;       // share of evaluated points with c > tau_h
   double threshold = 0;     // tau_h
   double sliced = 0;        // sw: sliced Wasserstein distance of patches / deviation
+  double slicedNoise = 0;   // sw between two perfect mappings: what chance alone makes of it
 };
 
 struct TextureScore {
   std::array<ScaleScore, 3> free;                     // any rotation
   std::optional<std::array<ScaleScore, 3>> oriented;  // within +-20 degrees of the directions
-  double F = 0;  // (1 - def_2) max(0, 1 - max(0, sw_2 - 0.045) / 0.25)
+  // (1 - def_2) max(0, 1 - max(0, sw_2 - max(0.045, noise)) / 0.25); with 2000 evaluation points
+  // the noise is about 0.04, with fewer it is more.
+  double F = 0;
   std::optional<double> orientedF;
   std::optional<double> seamError;    // mean over k-NN edges |I(s_i + R_i o_ij) - c_j| / sigma
   std::optional<double> breaks;       // share of edges off by more than 0.8 px
