@@ -55,7 +55,7 @@ for group in "$@"; do
   [[ $group =~ ^(build|demo|ci)$ ]] || die "no group \"$group\". The groups are build, demo and ci."
 done
 rows=$(wanted "$@")
-mapfile -t names < <(cut -d'|' -f1 <<<"$rows")
+mapfile -t names <<<"$(cut -d'|' -f1 <<<"$rows")"
 command -v dpkg-query >/dev/null ||
   die "this is not a Debian system. Install by hand what these Debian packages hold: ${names[*]}"
 
