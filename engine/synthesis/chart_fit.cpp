@@ -101,6 +101,18 @@ void ChartFit::filter(Keep keep) {
   count_ = kept;
 }
 
+Index ChartFit::dominantPatch() const {
+  Index best = kNone;
+  float most = -1;
+  for (std::size_t c = 0; c < count_; ++c) {
+    float sum = 0;
+    for (std::size_t other = 0; other < count_; ++other)
+      if (patch_[other] == patch_[c]) sum += weight_[other];
+    if (sum > most || (sum == most && patch_[c] < best)) most = sum, best = patch_[c];
+  }
+  return best;
+}
+
 void ChartFit::keepPatch(Index patch) {
   filter([&](std::size_t i) { return patch_[i] == patch; });
 }

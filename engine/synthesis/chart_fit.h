@@ -42,6 +42,7 @@ class ChartFit {
   Index patch(std::size_t c) const { return patch_[c]; }
   float weight(std::size_t c) const { return weight_[c]; }
 
+  Index dominantPatch() const;          // the one of most weight; ties: the smaller id
   void keepPatch(Index patch);          // drops the contributors of other patches
   void keepNear(vec2 q, float pixels);  // drops those that place the point further away
   ChartPoint average() const;           // weighted mean and distortion; size() >= 1

@@ -14,8 +14,8 @@
 #include <limits>
 #include <numeric>
 
-#include "base/bucket_queue.h"
 #include "base/errors.h"
+#include "base/growth_queue.h"
 #include "base/hash_rng.h"
 #include "points/normals.h"
 #include "synthesis/chart_fit.h"
@@ -154,7 +154,7 @@ class Grower {
     room_.open(options_.seed, patch);
     const std::size_t first = grown_.size();
     accept(start, patch, {.frame = orthonormalFrame(sites_[start].normal, input_.frames[start].t)});
-    for (BucketQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop())
+    for (GrowthQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop())
       if (map_.state[next.id] == PointState::Free && key_[next.id] == next.key &&
           refusedBy_[next.id] != patch)
         decide(next.id, patch);
@@ -237,7 +237,7 @@ class Grower {
   const ReverseNeighborhoods reverse_;
   std::vector<ChartSite> sites_;
   PatchRoom room_;
-  BucketQueue queue_;
+  GrowthQueue queue_;
   ChartFit fit_;
   std::vector<Index> key_;        // patch points, of any patch, among the k nearest
   std::vector<Index> refusedBy_;  // the last patch that had no room for the point
@@ -275,7 +275,7 @@ class GapBlender {
       queue_.push(key_[i], static_cast<Index>(i));
     }
     std::size_t done = 0;
-    for (BucketQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
+    for (GrowthQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
       if (coloured(next.id) || key_[next.id] != next.key) continue;
       blend(next.id);
       // Gap points that have this one among their k nearest: a list of their own neighbours would
@@ -303,7 +303,7 @@ class GapBlender {
     for (std::size_t c = 0; c < fit_.size(); ++c)
       terms_.push_back({wrapTexel(input_.swatch, fit_.q(c) + map_.placement[fit_.patch(c)]),
                         fit_.patch(c), fit_.weight(c) / weights});
-    const Index dominant = dominantPatch();
+    const Index dominant = fit_.dominantPatch();
     fit_.keepPatch(dominant);
     const ChartPoint fitted = fit_.average();
     sites_[i].patch = dominant;
@@ -331,18 +331,6 @@ class GapBlender {
     }
   }
 
-  Index dominantPatch() const {
-    Index best = kNone;
-    float most = -1;
-    for (std::size_t c = 0; c < fit_.size(); ++c) {
-      float sum = 0;
-      for (std::size_t other = 0; other < fit_.size(); ++other)
-        if (fit_.patch(other) == fit_.patch(c)) sum += fit_.weight(other);
-      if (sum > most || (sum == most && fit_.patch(c) < best)) most = sum, best = fit_.patch(c);
-    }
-    return best;
-  }
-
   // Terms were met in the queue's order; the map has them by point.
   void writeTerms() {
     map_.blendOffset.assign(1, 0);
@@ -359,7 +347,7 @@ class GapBlender {
   SourceMap& map_;
   Monitor& monitor_;
   std::vector<ChartSite> sites_;
-  BucketQueue queue_;
+  GrowthQueue queue_;
   ChartFit fit_;
   std::vector<Index> key_, first_, count_;
   std::vector<BlendTerm> terms_;

@@ -9,9 +9,9 @@ namespace dapple {
 
 // Pops the entry of the largest key, first come first served among equals. An entry is pushed anew
 // whenever its key grows; the caller skips the stale ones, whose key is not the current one.
-class BucketQueue {
+class GrowthQueue {
  public:
-  explicit BucketQueue(std::size_t largestKey) : buckets_(largestKey + 1) {}
+  explicit GrowthQueue(std::size_t largestKey) : buckets_(largestKey + 1) {}
 
   void push(std::size_t key, Index id) {
     buckets_[key].entries.push_back(id);

@@ -1,0 +1,184 @@
+// Methods: section 2.4. [Zhang] places patches at random, so that the pattern breaks off wherever
+// two of them meet; whatever colours the gap between them cannot mend that.
+#include "synthesis/patch_placement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "swatch/swatch_search.h"
+
+namespace dapple {
+namespace {
+
+constexpr int kPhases = 4;           // offsets are rounded to 1 / kPhases pixel by the search
+constexpr std::size_t kTerms = 150;  // of a search
+constexpr float kMargin = 3;         // pixels from the swatch's border, where there is room
+constexpr int kRounds = 2;
+
+// A point where a patch overlaps another one.
+struct Meeting {
+  Index point;
+  Index own, other;  // candidates
+};
+
+struct Box {
+  vec2 low{0}, high{0};  // q = 0, the patch's seed, is inside
+};
+
+class Placer {
+ public:
+  Placer(const SynthesisInput& input, const PatchOverlap& overlap, SourceMap& map, Monitor& monitor)
+      : input_(input),
+        overlap_(overlap),
+        map_(map),
+        monitor_(monitor),
+        search_(input.swatch, 0, kPhases),
+        meetings_(map.placement.size()),
+        boxes_(map.placement.size()),
+        placed_(map.placement.size(), false) {}
+
+  std::size_t run() {
+    findMeetings();
+    const std::vector<Index> order = firstRound();
+    for (int round = 1; round < kRounds; ++round)
+      for (const Index patch : order) place(patch);
+    recolour();
+    return static_cast<std::size_t>(std::count(moved_.begin(), moved_.end(), true));
+  }
+
+ private:
+  void findMeetings() {
+    moved_.assign(placed_.size(), false);
+    members_.assign(input_.swatch.hasHoles ? placed_.size() : 0, {});
+    for (std::size_t i = 0; i < input_.points.size(); ++i) {
+      for (std::size_t a = overlap_.offset[i]; a < overlap_.offset[i + 1]; ++a) {
+        const ChartSite& site = overlap_.candidates[a].site;
+        if (overlap_.candidates[a].reach == 0) {
+          boxes_[site.patch].low = glm::min(boxes_[site.patch].low, site.q);
+          boxes_[site.patch].high = glm::max(boxes_[site.patch].high, site.q);
+          if (input_.swatch.hasHoles) members_[site.patch].push_back(static_cast<Index>(i));
+        }
+        for (std::size_t b = overlap_.offset[i]; b < overlap_.offset[i + 1]; ++b)
+          if (overlap_.candidates[b].site.patch != site.patch)
+            meetings_[site.patch].push_back(
+                {static_cast<Index>(i), static_cast<Index>(a), static_cast<Index>(b)});
+      }
+    }
+  }
+
+  // Patches in the order of their overlap with those placed before; the first of all, and the first
+  // of every part of the surface that overlaps no other, stay where they are.
+  std::vector<Index> firstRound() {
+    std::vector<Index> order;
+    std::vector<std::size_t> known(placed_.size(), 0);  // meetings with placed patches
+    for (std::size_t step = 0; step < placed_.size(); ++step) {
+      Index best = kNone;
+      for (Index p = 0; p < placed_.size(); ++p)
+        if (!placed_[p] && (best == kNone || known[p] > known[best])) best = p;
+      if (known[best] > 0) place(best), order.push_back(best);
+      placed_[best] = true;
+      for (const Meeting& m : meetings_[best]) ++known[overlap_.candidates[m.other].site.patch];
+    }
+    return order;
+  }
+
+  void place(Index patch) {
+    monitor_.checkpoint();
+    const std::vector<SearchTerm> wanted = terms(patch);
+    if (wanted.empty()) return;
+    const SearchResult found = search_.search(wanted);
+    if (!found.found) return;
+    const vec2 placement = insideSwatch(patch, found.texel);
+    if (!usable(patch, placement)) return;
+    map_.placement[patch] = placement;
+    moved_[patch] = true;
+  }
+
+  // At most kTerms of the meetings with placed patches, evenly along the Morton order.
+  std::vector<SearchTerm> terms(Index patch) {
+    std::vector<const Meeting*> known;
+    for (const Meeting& m : meetings_[patch])
+      if (placed_[overlap_.candidates[m.other].site.patch]) known.push_back(&m);
+    std::vector<SearchTerm> out;
+    const std::size_t count = std::min(kTerms, known.size());
+    for (std::size_t t = 0; t < count; ++t) {
+      const Meeting& m = *known[t * known.size() / count];
+      const ChartSite& other = overlap_.candidates[m.other].site;
+      const vec2 texel = other.q + map_.placement[other.patch];
+      if (!usableTexel(input_.swatch, wrapTexel(input_.swatch, texel))) continue;
+      out.push_back({overlap_.candidates[m.own].site.q, sampleSwatch(input_.swatch, texel)});
+    }
+    if (!input_.swatch.tileable && !out.empty()) keepInside(patch, out);
+    return out;
+  }
+
+  // The search keeps every term inside the swatch, so that corners of the patch's box keep the
+  // patch inside. Their colour means nothing; a few terms more of the others drown it.
+  void keepInside(Index patch, std::vector<SearchTerm>& terms) const {
+    const Box box = roomy(patch);
+    std::erase_if(terms, [&](const SearchTerm& term) {
+      return glm::clamp(term.offset, box.low, box.high) != term.offset;
+    });
+    const std::size_t count = terms.size();
+    if (count == 0) return;
+    while (terms.size() < kTerms) terms.push_back(terms[terms.size() % count]);
+    vec3 mean(0);
+    for (const SearchTerm& term : terms) mean += term.colour;
+    mean = mean / static_cast<float>(terms.size());
+    for (const vec2 corner : {box.low, box.high}) terms.push_back({corner, mean});
+  }
+
+  // The patch's box and, where the swatch has room, a margin that is needed beyond the patch.
+  Box roomy(Index patch) const {
+    const Box& box = boxes_[patch];
+    const vec2 slack = vec2(input_.swatch.width, input_.swatch.height) - 2.f - (box.high - box.low);
+    const vec2 margin = glm::clamp(slack * 0.5f, vec2(0), vec2(kMargin));
+    return {box.low - margin, box.high + margin};
+  }
+
+  // Rounding in the search may leave a corner outside by a fraction of a pixel.
+  vec2 insideSwatch(Index patch, vec2 placement) const {
+    if (input_.swatch.tileable) return placement;
+    const Box& box = boxes_[patch];
+    const vec2 least = 0.5f - box.low;
+    const vec2 most = vec2(input_.swatch.width, input_.swatch.height) - 0.5f - box.high;
+    return glm::max(least, glm::min(most, placement));
+  }
+
+  bool usable(Index patch, vec2 placement) const {
+    if (input_.swatch.hasHoles)
+      return std::all_of(members_[patch].begin(), members_[patch].end(), [&](Index i) {
+        return usableTexel(input_.swatch, map_.domain[i] + placement);
+      });
+    return input_.swatch.tileable || (usableTexel(input_.swatch, boxes_[patch].low + placement) &&
+                                      usableTexel(input_.swatch, boxes_[patch].high + placement));
+  }
+
+  void recolour() {
+    for (std::size_t i = 0; i < input_.points.size(); ++i) {
+      if (map_.state[i] != PointState::Patch || !moved_[map_.patch[i]]) continue;
+      map_.texel[i] = wrapTexel(input_.swatch, map_.domain[i] + map_.placement[map_.patch[i]]);
+      map_.colour[i] = sampleSwatch(input_.swatch, map_.texel[i]);
+    }
+  }
+
+  const SynthesisInput& input_;
+  const PatchOverlap& overlap_;
+  SourceMap& map_;
+  Monitor& monitor_;
+  const SwatchSearch search_;
+  std::vector<std::vector<Meeting>> meetings_;  // by patch, points ascending
+  std::vector<Box> boxes_;                      // of a patch's own points
+  std::vector<std::vector<Index>> members_;     // by patch, kept for a swatch with holes only
+  std::vector<bool> placed_, moved_;
+};
+
+}  // namespace
+
+std::size_t placePatches(const SynthesisInput& input, const PatchOverlap& overlap, SourceMap& map,
+                         Monitor& monitor) {
+  if (map.placement.size() < 2) return 0;
+  return Placer(input, overlap, map, monitor).run();
+}
+
+}  // namespace dapple
