@@ -7,13 +7,9 @@
 #include "synthesis/seam_cut.h"
 #include "synthesis/source_map.h"
 #include "synthesis/synthesis_input.h"
+#include "synthesis/texture_options.h"
 
 namespace dapple {
-
-enum class GapFill {
-  Match,  // as printed: gap points are matched with the swatch
-  Cut,    // patches are aligned, overlap, and are cut where they differ least
-};
 
 struct HybridOptions {
   PatchOptions patches;

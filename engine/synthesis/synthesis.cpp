@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "synthesis/baselines.h"
+#include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
 
@@ -36,8 +37,11 @@ SynthesisResult synthesize(const SynthesisInput& input, const TextureOptions& op
   SourceMap& map = result.map;
   switch (options.method) {
     case Method::Hybrid: {
-      note(growPatches(input, patchOptions(options), map, monitor), n, result.statistics);
-      blendGaps(input, map, monitor);
+      const HybridOptions hybrid{.patches = patchOptions(options),
+                                 .gaps = options.gaps,
+                                 .expand = options.expand,
+                                 .matching = matchingOptions(options)};
+      note(synthesizeHybrid(input, hybrid, map, monitor).patches, n, result.statistics);
       break;
     }
     case Method::Patches:

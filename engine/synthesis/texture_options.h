@@ -9,7 +9,10 @@
 namespace dapple {
 
 enum class Method { Hybrid, Patches, Match, Triplanar, Random };
-enum class GapFill { Cut, Match };
+enum class GapFill {
+  Cut,    // patches are aligned, overlap, and are cut where they differ least
+  Match,  // as printed: gap points are matched with the swatch
+};
 
 struct TextureOptions {
   Method method = Method::Hybrid;
