@@ -131,7 +131,7 @@ Image blobs(int size) {
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
       setPixel(image, x, y, vec3(0.75f, 0.65f, 0.5f) + 0.1f * (hashUniform(4, x, y) - 0.5f));
-  const int count = size * size / 220;
+  const int count = size * size / 100;
   for (int k = 0; k < count; ++k) {
     const float cx = hashUniform(3, k, 0) * static_cast<float>(size);
     const float cy = hashUniform(3, k, 1) * static_cast<float>(size);
@@ -144,7 +144,7 @@ Image blobs(int size) {
         if (r > radius) continue;
         // The comma starts thick on the right and thins out counter-clockwise over half a turn.
         const float turn = std::atan2(-dy, dx) / static_cast<float>(std::numbers::pi);
-        const float thickness = turn >= 0 ? 0.5f * radius * (1 - turn) : 0.0f;
+        const float thickness = turn >= 0 ? 0.9f * radius * (1 - turn) : 0.0f;
         const bool comma = std::abs(r - 0.55f * radius) < 0.5f * thickness;
         setPixel(image, x, y, comma ? vec3(0.95f, 0.9f, 0.2f) : vec3(0.3f, 0.12f, 0.1f));
       }

@@ -30,6 +30,6 @@ Image stripes(int size, int period);  // vertical grey sine stripes
 Image flat(int size, vec3 colour);
 Image mirrored(const Image& image);  // left and right exchanged
 
-Swatch swatchOf(const Image& image, Tileable tileable = Tileable::Auto);
+Swatch swatchOf(const Image& image, Tileable tileable = Tileable::Yes);
 
 }  // namespace dapple::fixtures

@@ -23,7 +23,7 @@ struct Scene {
   std::vector<vec3> up;    // the swatch's up at each point
 };
 
-Scene makeScene(float side = 192, float spacing = 1) {
+Scene makeScene(float side = 144, float spacing = 1) {
   Scene scene;
   scene.points = fixtures::makePlane(side, side, spacing);
   const float c = std::cos(0.6f), s = std::sin(0.6f);
@@ -56,36 +56,45 @@ vec2 asItIs(vec2 p) {
   return p;
 }
 
+struct Ask {
+  const std::vector<vec3>* directions = nullptr;
+  std::size_t points = 400;
+  unsigned threads = 2;
+};
+
 TextureScore scored(const Scene& scene, const std::vector<vec3>& colours, const Swatch& swatch,
-                    const std::vector<vec3>* directions = nullptr, std::size_t points = 1000,
-                    unsigned threads = 1) {
-  Workers workers(threads);
+                    const Ask& ask = {}) {
+  Workers workers(ask.threads);
   Monitor monitor(workers);
-  return scoreTexture({scene.points, scene.neighborhoods, colours, swatch, 1, nullptr, directions},
-                      {.evaluationPoints = points}, monitor);
+  return scoreTexture(
+      {scene.points, scene.neighborhoods, colours, swatch, 1, nullptr, ask.directions},
+      {.evaluationPoints = ask.points}, monitor);
 }
 
 }  // namespace
 
-TEST_CASE("a perfect plane scores high and a mirrored one low") {
-  for (const Image& image : {fixtures::bricks(96), fixtures::blobs(96)}) {
+TEST_CASE("a perfect plane scores high, a stretched one nearly so, and a mirrored one low") {
+  for (const Image& image : {fixtures::bricks(48), fixtures::blobs(48)}) {
     const Swatch swatch = fixtures::swatchOf(image);
     const Swatch mirror = fixtures::swatchOf(fixtures::mirrored(image));
-    const TextureScore perfect = scored(plane(), paint(plane(), swatch, asItIs), swatch);
+    const TextureScore perfect =
+        scored(plane(), paint(plane(), swatch, asItIs), swatch, {.points = 1000});
     const TextureScore wrong = scored(plane(), paint(plane(), mirror, asItIs), swatch);
     CHECK(perfect.F >= 0.95);
     CHECK(wrong.F <= 0.4);
     CHECK(wrong.free[1].residual > 3 * perfect.free[1].residual);
+    const auto stretched = paint(plane(), swatch, [](vec2 p) { return vec2(p.x / 1.15f, p.y); });
+    CHECK(scored(plane(), stretched, swatch, {.points = 1000}).F >= 0.9);
     for (int s = 0; s < 3; ++s) {
       CHECK(perfect.free[s].step == doctest::Approx(std::exp2(s)).epsilon(0.1));
-      CHECK(perfect.free[s].windows > 300);
+      CHECK(perfect.free[s].windows > 200);
       CHECK(perfect.free[s].defects <= 0.05);
     }
   }
 }
 
-TEST_CASE("random pixels and the mean colour score nothing, stretching is forgiven, blur is not") {
-  const Swatch swatch = fixtures::swatchOf(fixtures::noise(96));
+TEST_CASE("random pixels and the mean colour score nothing, and blur is not taken for texture") {
+  const Swatch swatch = fixtures::swatchOf(fixtures::noise(48));
   const std::vector<vec3> good = paint(plane(), swatch, asItIs);
   CHECK(scored(plane(), good, swatch).F >= 0.95);
 
@@ -100,32 +109,29 @@ TEST_CASE("random pixels and the mean colour score nothing, stretching is forgiv
   CHECK(flat.F <= 0.01);
   CHECK(flat.free[1].sliced > 0.7);
 
-  const auto stretched = paint(plane(), swatch, [](vec2 p) { return vec2(p.x / 1.15f, p.y); });
-  CHECK(scored(plane(), stretched, swatch).F >= 0.9);
-
   Swatch soft = swatch;
   soft.stack = {blurSwatch(swatch, 1.2)};
   CHECK(scored(plane(), paint(plane(), soft, asItIs), swatch).F <= 0.85);
 }
 
 TEST_CASE("the oriented figures see a turn that the free ones allow") {
-  const Swatch swatch = fixtures::swatchOf(fixtures::bricks(96));
+  const Swatch swatch = fixtures::swatchOf(fixtures::bricks(48));
   const std::vector<vec3> colours = paint(plane(), swatch, asItIs);
-  const TextureScore along = scored(plane(), colours, swatch, &plane().up);
+  const TextureScore along = scored(plane(), colours, swatch, {&plane().up});
   CHECK(along.orientedF.value() >= 0.95);
   std::vector<vec3> across;
   for (const vec3& t : plane().up) across.push_back({t.y, -t.x, 0});
-  const TextureScore turned = scored(plane(), colours, swatch, &across);
-  CHECK(turned.F >= 0.95);
+  const TextureScore turned = scored(plane(), colours, swatch, {&across});
+  CHECK(turned.F >= 0.9);
   CHECK(turned.orientedF.value() <= 0.2);
   CHECK_FALSE(scored(plane(), colours, swatch).orientedF.has_value());
 }
 
 TEST_CASE("denser and sparser points give a perfect mapping its due") {
-  const Swatch swatch = fixtures::swatchOf(fixtures::blobs(96));
-  const Scene dense = makeScene(96, 0.4f);
+  const Swatch swatch = fixtures::swatchOf(fixtures::blobs(48));
+  const Scene dense = makeScene(144, 0.4f);
   CHECK(scored(dense, paint(dense, swatch, asItIs), swatch).F >= 0.95);
-  const Scene sparse = makeScene(384, 2);
+  const Scene sparse = makeScene(288, 2);
   Swatch prefiltered = swatch;
   prefiltered.stack = {swatch.stack[1]};
   const TextureScore score = scored(sparse, paint(sparse, prefiltered, asItIs), swatch);
@@ -138,7 +144,7 @@ TEST_CASE("swatches smaller than a window, with holes, or of one colour are scor
   const Swatch tiny = fixtures::swatchOf(fixtures::stripes(16, 8), Tileable::No);
   const auto wrapped =
       paint(small, fixtures::swatchOf(fixtures::stripes(16, 8), Tileable::Yes), asItIs);
-  CHECK(scored(small, wrapped, tiny).F >= 0.9);
+  CHECK(scored(small, wrapped, tiny).F >= 0.85);
 
   Image holed = fixtures::noise(96);
   holed.channels = 4;
@@ -159,11 +165,11 @@ TEST_CASE("swatches smaller than a window, with holes, or of one colour are scor
 }
 
 TEST_CASE("the score is the same bytes at any number of threads") {
-  const Swatch swatch = fixtures::swatchOf(fixtures::blobs(96));
+  const Swatch swatch = fixtures::swatchOf(fixtures::blobs(48));
   const auto colours = paint(plane(), swatch, asItIs);
-  const TextureScore one = scored(plane(), colours, swatch, &plane().up, 200, 1);
+  const TextureScore one = scored(plane(), colours, swatch, {&plane().up, 64, 1});
   for (unsigned threads : {2u, 3u}) {
-    const TextureScore other = scored(plane(), colours, swatch, &plane().up, 200, threads);
+    const TextureScore other = scored(plane(), colours, swatch, {&plane().up, 64, threads});
     CHECK(std::memcmp(&one.free, &other.free, sizeof(one.free)) == 0);
     CHECK(std::memcmp(&*one.oriented, &*other.oriented, sizeof(*one.oriented)) == 0);
     CHECK(one.F == other.F);
@@ -171,9 +177,9 @@ TEST_CASE("the score is the same bytes at any number of threads") {
 }
 
 TEST_CASE("the unit of the model makes no difference") {
-  const Swatch swatch = fixtures::swatchOf(fixtures::blobs(96));
+  const Swatch swatch = fixtures::swatchOf(fixtures::blobs(48));
   const auto colours = paint(plane(), swatch, asItIs);
-  const double F = scored(plane(), colours, swatch, nullptr, 300).F;
+  const double F = scored(plane(), colours, swatch, {.points = 300}).F;
   PointSet metres = plane().points;
   Neighborhoods neighborhoods = plane().neighborhoods;
   for (vec3& p : metres.positions) p *= 1.0f / 1024;
@@ -187,7 +193,7 @@ TEST_CASE("the unit of the model makes no difference") {
 
 TEST_CASE("a source map tells seams, breaks, pieces and lost contrast") {
   const Scene scene = makeScene(96);
-  const Swatch swatch = fixtures::swatchOf(fixtures::noise(96));
+  const Swatch swatch = fixtures::swatchOf(fixtures::noise(48));
   const float c = std::cos(0.6f), s = std::sin(0.6f);
   SourceMap map = emptySourceMap(scene.points.size(), 1);
   const auto fill = [&](auto texelOf) {
@@ -199,7 +205,7 @@ TEST_CASE("a source map tells seams, breaks, pieces and lost contrast") {
     }
     Workers workers(2);
     Monitor monitor(workers);
-    return scoreTexture({scene.points, scene.neighborhoods, map.colour, swatch, 1, &map}, {200, 1},
+    return scoreTexture({scene.points, scene.neighborhoods, map.colour, swatch, 1, &map}, {100, 1},
                         monitor);
   };
   const double n = static_cast<double>(scene.points.size());
@@ -221,7 +227,7 @@ TEST_CASE("a source map tells seams, breaks, pieces and lost contrast") {
   CHECK(turned.breaks.value() < 0.001);
 
   const TextureScore random = fill(
-      [](std::size_t i, vec2) { return 96.0f * vec2(hashUniform(8, i, 0), hashUniform(8, i, 1)); });
+      [](std::size_t i, vec2) { return 48.0f * vec2(hashUniform(8, i, 0), hashUniform(8, i, 1)); });
   CHECK(random.breaks.value() > 0.8);
   CHECK(random.verbatim.value() < 3);
   CHECK(random.seamError.value() > 0.8);
@@ -229,7 +235,7 @@ TEST_CASE("a source map tells seams, breaks, pieces and lost contrast") {
 
 TEST_CASE("contrast lost in the gaps is reported against the swatch's") {
   const Scene scene = makeScene(96);
-  const Swatch swatch = fixtures::swatchOf(fixtures::noise(96));
+  const Swatch swatch = fixtures::swatchOf(fixtures::noise(48));
   std::vector<vec3> colours = paint(scene, swatch, asItIs);
   SourceMap map = emptySourceMap(scene.points.size(), 1);
   vec3 mean(0);
@@ -242,7 +248,7 @@ TEST_CASE("contrast lost in the gaps is reported against the swatch's") {
       colours[i] = glm::mix(mean, colours[i], kept);
     }
     const TextureScore score = scoreTexture(
-        {scene.points, scene.neighborhoods, colours, swatch, 1, &map}, {200, 1}, monitor);
+        {scene.points, scene.neighborhoods, colours, swatch, 1, &map}, {100, 1}, monitor);
     CHECK(score.gapContrast.value() == doctest::Approx(kept).epsilon(0.12));
   }
 }

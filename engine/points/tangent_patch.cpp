@@ -19,6 +19,7 @@ constexpr std::uint32_t kWaiting = 0x80000000u, kOutside = 0xffffffffu;
 constexpr float kRingSpacings = 0.75f;  // width of a ring in distances of the sixth neighbour
 constexpr float kSteepest = 1e-4f;  // squared cosine below which an offset has no tangential part
 constexpr int kContributors = 4;
+constexpr std::size_t kQueued = 8;  // neighbours that a placed point puts in the queue
 
 }  // namespace
 
@@ -62,7 +63,7 @@ void TangentPatch::queueNeighbours(Index id) {
   const auto distances = neighborhoods_.distancesOf(id);
   const float reached = glm::length(flat_.back().position);
   const vec3 normal = points_.normals[id];
-  for (std::size_t j = 0; j < used_; ++j) {
+  for (std::size_t j = 0; j < std::min(kQueued, used_); ++j) {
     const auto ring = static_cast<std::uint32_t>((reached + distances[j]) / ringWidth_);
     if (ring >= ringCount_) break;  // the others are no nearer
     Slot& slot = slotOf(ids[j]);

@@ -16,7 +16,7 @@ constexpr std::size_t kPlaces = 6000;
 constexpr std::size_t kTurns = 16;
 constexpr std::size_t kParts = 48;
 constexpr std::size_t kTrainingWindows = 6000;
-constexpr std::size_t kGrain = 64;      // places encoded together
+constexpr std::size_t kGrain = 32;      // places encoded together
 constexpr std::size_t kQueryBlock = 8;  // codes that share one pass over the places
 constexpr float kNoWindow = 1e30f;
 
@@ -94,6 +94,8 @@ using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Float8 = float __attribute__((vector_size(32)));
 using Int8 = std::int32_t __attribute__((vector_size(32)));
 
+using Float16 = float __attribute__((vector_size(64)));
+using Int16 = std::int32_t __attribute__((vector_size(64)));
 using SearchPart = void (*)(const SearchTable&, std::size_t, const PatchCode*, PartBests*);
 
 void searchPartBase(const SearchTable& table, std::size_t part, const PatchCode* queries,
@@ -106,11 +108,18 @@ __attribute__((target("avx2"))) void searchPartAvx2(const SearchTable& table, st
                                                     const PatchCode* queries, PartBests* bests) {
   searchPart<Float8, Int8>(table, part, queries, bests);
 }
+
+__attribute__((target("avx512f"))) void searchPartAvx512(const SearchTable& table, std::size_t part,
+                                                         const PatchCode* queries,
+                                                         PartBests* bests) {
+  searchPart<Float16, Int16>(table, part, queries, bests);
+}
 #endif
 
 SearchPart searchPartFor(SearchPath path) {
   if (path == SearchPath::Portable) return searchPartBase;
 #if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f")) return searchPartAvx512;
   if (__builtin_cpu_supports("avx2")) return searchPartAvx2;
 #endif
   return searchPartBase;
@@ -186,18 +195,19 @@ void ScorePatches::encodePlaces(Monitor& monitor) {
   const Eigen::Map<const RowMatrix> components(components_.data(), kWindowNumbers, kPatchNumbers);
   const Eigen::Map<const Eigen::RowVectorXf> mean(mean_.data(), kWindowNumbers);
   parallelFor(monitor, places, kGrain, [&](std::size_t begin, std::size_t end) {
-    RowMatrix data(kTurns, kWindowNumbers);
-    Eigen::Matrix<float, kTurns, kPatchNumbers> codes;  // column major: turns side by side
-    for (std::size_t place = begin; place < end; ++place) {
-      for (std::size_t turn = 0; turn < kTurns; ++turn) {
-        const Placement placement = placementOf(place, turn);
-        if (image_.holds(placement)) halfNorms_[place * kTurns + turn] = 0;
-        flatten(image_.read(placement), data.row(turn).data());
-      }
-      codes.noalias() = (data.rowwise() - mean) * components;
-      std::copy_n(codes.data(), codes.size(), codes_.data() + place * codes.size());
-      for (std::size_t turn = 0; turn < kTurns; ++turn)
-        halfNorms_[place * kTurns + turn] += 0.5f * codes.row(turn).squaredNorm();
+    const std::size_t windows = (end - begin) * kTurns;
+    RowMatrix data(windows, kWindowNumbers);
+    for (std::size_t i = 0; i < windows; ++i) {
+      const Placement placement = placementOf(begin + i / kTurns, i % kTurns);
+      if (image_.holds(placement)) halfNorms_[begin * kTurns + i] = 0;
+      flatten(image_.read(placement), data.row(i).data());
+    }
+    data.rowwise() -= mean;
+    const RowMatrix codes = data * components;
+    for (std::size_t i = 0; i < windows; ++i) {
+      halfNorms_[begin * kTurns + i] += 0.5f * codes.row(i).squaredNorm();
+      float* turns = codes_.data() + (begin + i / kTurns) * kPatchNumbers * kTurns + i % kTurns;
+      for (int d = 0; d < kPatchNumbers; ++d) turns[d * kTurns] = codes(i, d);
     }
   });
 }

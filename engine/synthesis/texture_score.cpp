@@ -55,7 +55,9 @@ struct Judge {
 struct Context {
   const ScoreInput& input;
   const ScoreOptions& options;
-  const Swatch& perfect;  // what a perfect mapping would read
+  // What a perfect mapping would read: the swatch, and the same as if it tiled, for the scales at
+  // which it is too small for a window.
+  const Swatch &perfect, &wrapped;
   std::vector<Index> centres;
   float radius = 0;  // of a flattened surrounding, local units
 };
@@ -117,14 +119,15 @@ Window actualWindow(const Context& context, const WindowSampler& sampler) {
 }
 
 // The same points as a perfect mapping would colour them.
-Window perfectWindow(const Context& context, const WindowSampler& sampler,
+Window perfectWindow(const Context& context, const WindowSampler& sampler, bool wraps,
                      const Placement& placement) {
-  const float height = static_cast<float>(context.perfect.height);
+  const Swatch& swatch = wraps ? context.wrapped : context.perfect;
+  const float height = static_cast<float>(swatch.height);
   std::vector<Float4> colours;
   for (const WindowSampler::Sample& sample : sampler.samples()) {
     const vec2 p = sample.position / context.input.unit;
     const vec2 at = placement.centre + p.x * placement.right + p.y * placement.up;
-    colours.push_back(weighable(sampleSwatch(context.perfect, {at.x, height - at.y})));
+    colours.push_back(weighable(sampleSwatch(swatch, {at.x, height - at.y})));
   }
   return sampler.window(colours);
 }
@@ -162,7 +165,8 @@ void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std:
   const TurnLimit upright{judge.oriented ? 0.0f : 4.0f};
   const Window actual = actualWindow(context, sampler);
   const auto perfect = [&](std::uint64_t draw) {
-    return perfectWindow(context, sampler, image.randomPlacement(upright, seed, 2 * e + draw));
+    return perfectWindow(context, sampler, image.wraps(),
+                         image.randomPlacement(upright, seed, 2 * e + draw));
   };
   const Window first = perfect(0);
   judge.evaluated[e] = 1;
@@ -299,7 +303,10 @@ TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, 
   Swatch prefiltered = input.swatch;
   prefiltered.stack.resize(1);
   if (ratio > kPrefilterFrom) prefiltered.stack[0] = blurSwatch(input.swatch, 0.5 * ratio);
-  Context context{input, options, prefiltered, chooseCentres(input.points.size(), options)};
+  Swatch wrapped = prefiltered;
+  wrapped.tileable = true;
+  Context context{input, options, prefiltered, wrapped,
+                  chooseCentres(input.points.size(), options)};
   context.radius = static_cast<float>((kReach + kMargin) * ratio * kScales.back() * input.unit);
   std::vector<std::unique_ptr<ScoreImage>> images;
   for (double scale : kScales)
