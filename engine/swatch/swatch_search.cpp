@@ -236,7 +236,7 @@ KernelBest SwatchSearch::Planes::searchInside(std::span<const SearchTerm> terms,
   std::vector<std::uint64_t> blocked;
   if (holes) blocked = blockedPlaces(shifts, range);
   return kernel({rows.data(), rows.size(), stride, range.x0, range.x1, range.y0, range.y1,
-                 holes ? blocked.data() : nullptr, words});
+                 holes ? blocked.data() : nullptr, words, KernelBest{}.error});
 }
 
 // Rows wrap by pointer: the places are cut into bands of rows in which no term crosses the lower
@@ -256,8 +256,8 @@ KernelBest SwatchSearch::Planes::searchTiled(std::span<const SearchTerm> terms,
       rows[t].row = plane(terms[t].layer, s.a, s.b) + firstRow * stride + left + s.x;
     }
     const KernelBest band =
-        kernel({rows.data(), rows.size(), stride, 0, width, y0, y1, nullptr, 0});
-    if (band.error < best.error) best = band;
+        kernel({rows.data(), rows.size(), stride, 0, width, y0, y1, nullptr, 0, best.error});
+    if (band.x >= 0) best = band;
   }
   return best;
 }
