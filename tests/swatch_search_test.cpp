@@ -51,8 +51,9 @@ double errorAt(const Swatch& swatch, const std::vector<SearchTerm>& terms, int p
   if (!opaque(x, y)) return -1;
   double sum = 0;
   for (const SearchTerm& term : terms) {
-    double u = x + std::floor(term.offset.x * phases + 0.5) / phases;
-    double v = y + std::floor(term.offset.y * phases + 0.5) / phases;
+    const int steps = term.layer == 0 ? phases : std::min(phases, 2);
+    double u = x + std::floor(term.offset.x * steps + 0.5) / steps;
+    double v = y + std::floor(term.offset.y * steps + 0.5) / steps;
     int px[2] = {static_cast<int>(std::floor(u)), static_cast<int>(std::ceil(u))};
     int py[2] = {static_cast<int>(std::floor(v)), static_cast<int>(std::ceil(v))};
     u -= px[0];

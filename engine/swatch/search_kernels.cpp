@@ -8,12 +8,10 @@
 #include <immintrin.h>
 #endif
 
-#include <algorithm>
+#include <bit>
 
 namespace dapple::detail {
 namespace {
-
-constexpr std::uint32_t kNever = 0xffffffff;
 
 // Bits x ... x + 63 of a row of blocked places.
 inline std::uint64_t blockedBits(const KernelArea& area, int x, int y) {
@@ -40,11 +38,11 @@ inline Block shortened(Block block, const KernelArea& area) {
   return block;
 }
 
-// The smallest lane of the minima of one column of vectors; ties to the earlier row, then x.
-void takeBest(const std::uint32_t* errors, const std::uint32_t* places, int lanes,
+// The smallest of the lanes in `lanes` (bits); ties to the earlier row, then x.
+void takeBest(const std::uint32_t* errors, const std::uint32_t* places, std::uint32_t lanes,
               KernelBest& best) {
-  for (int lane = 0; lane < lanes; ++lane) {
-    if (errors[lane] == kNever) continue;
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
     const int x = static_cast<int>(places[lane] & 0xffff) + lane;
     const int y = static_cast<int>(places[lane] >> 16);
     const bool earlier = y < best.y || (y == best.y && x < best.x);
@@ -57,7 +55,7 @@ void takeBest(const std::uint32_t* errors, const std::uint32_t* places, int lane
 }  // namespace
 
 KernelBest searchScalar(const KernelArea& area) {
-  KernelBest best;
+  KernelBest best{area.bound};
   for (int y = area.y0; y < area.y1; ++y) {
     for (int x = area.x0; x < area.x1; ++x) {
       if ((blockedBits(area, x, y) & 1) != 0) continue;
@@ -201,7 +199,7 @@ int squaredColours(const KernelArea& area) {
 DAPPLE_AVX2 KernelBest searchAvx2(const KernelArea& area) {
   Minima2 minima;
   for (int v = 0; v < 4; ++v) {
-    minima.error[v] = _mm256_set1_epi32(-1);
+    minima.error[v] = _mm256_set1_epi32(static_cast<int>(area.bound));
     minima.place[v] = _mm256_setzero_si256();
   }
   for (int y = area.y0; y < area.y1; ++y) {
@@ -215,13 +213,16 @@ DAPPLE_AVX2 KernelBest searchAvx2(const KernelArea& area) {
       restAvx2(area, blockAt(area, x, y), minima);
     }
   }
-  KernelBest best;
+  KernelBest best{area.bound};
   for (int v = 0; v < 4; ++v) {
     alignas(32) std::uint32_t errors[8], places[8];
     _mm256_store_si256(reinterpret_cast<__m256i*>(errors), minima.error[v]);
     _mm256_store_si256(reinterpret_cast<__m256i*>(places),
                        _mm256_add_epi32(minima.place[v], _mm256_set1_epi32(8 * v)));
-    takeBest(errors, places, 8, best);
+    const __m256i same =
+        _mm256_cmpeq_epi32(minima.error[v], _mm256_set1_epi32(static_cast<int>(area.bound)));
+    const int lanes = ~_mm256_movemask_ps(_mm256_castsi256_ps(same)) & 255;
+    takeBest(errors, places, static_cast<std::uint32_t>(lanes), best);
   }
   return best;
 }
@@ -229,7 +230,7 @@ DAPPLE_AVX2 KernelBest searchAvx2(const KernelArea& area) {
 DAPPLE_AVX512 KernelBest searchAvx512Vnni(const KernelArea& area) {
   Minima512 minima;
   for (int v = 0; v < 4; ++v) {
-    minima.error[v] = _mm512_set1_epi32(-1);
+    minima.error[v] = _mm512_set1_epi32(static_cast<int>(area.bound));
     minima.place[v] = _mm512_setzero_si512();
   }
   const int constant = squaredColours(area);
@@ -240,12 +241,13 @@ DAPPLE_AVX512 KernelBest searchAvx512Vnni(const KernelArea& area) {
     }
     if (x < area.x1) restAvx512(area, constant, blockAt(area, x, y), minima);
   }
-  KernelBest best;
+  KernelBest best{area.bound};
   for (int v = 0; v < 4; ++v) {
     alignas(64) std::uint32_t errors[16], places[16];
     _mm512_store_si512(errors, minima.error[v]);
     _mm512_store_si512(places, _mm512_add_epi32(minima.place[v], _mm512_set1_epi32(16 * v)));
-    takeBest(errors, places, 16, best);
+    const __m512i bound = _mm512_set1_epi32(static_cast<int>(area.bound));
+    takeBest(errors, places, _mm512_cmplt_epu32_mask(minima.error[v], bound), best);
   }
   return best;
 }

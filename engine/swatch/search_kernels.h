@@ -21,11 +21,12 @@ struct KernelArea {
   int x0, x1, y0, y1;            // half open
   const std::uint64_t* blocked;  // bit x of row y: (blocked + y * blockedStride), or null
   std::ptrdiff_t blockedStride;  // words; one more than x1 needs
+  std::uint32_t bound;           // only places with a smaller error count
 };
 
 struct KernelBest {
   std::uint32_t error = 0xffffffff;
-  int x = -1, y = -1;  // -1: no place that is not blocked
+  int x = -1, y = -1;  // -1: no place that is not blocked and below the bound
 };
 
 using Kernel = KernelBest (*)(const KernelArea&);

@@ -91,14 +91,20 @@ struct SwatchSearch::Planes {
   void fillLayer(const std::vector<vec3>& image, int layer);
   void fillTransparent(const Swatch& swatch);
 
+  // Coarser layers are blurred by a pixel and more: two phases show all that is in them, and fewer
+  // planes stay in the cache, which is what limits the search.
+  int phasesOf(int layer) const { return layer == 0 ? phases : std::min(phases, 2); }
+
   std::uint32_t* plane(int layer, int a, int b) {
-    return pixels.data() + ((layer * phases + b) * phases + a) * (height * stride);
+    const int count = phasesOf(layer);
+    const int before = layer == 0 ? 0 : phases * phases + (layer - 1) * count * count;
+    return pixels.data() + (before + b * count + a) * (height * stride);
   }
   const std::uint32_t* plane(int layer, int a, int b) const {
     return const_cast<Planes*>(this)->plane(layer, a, b);
   }
 
-  Shift shiftOf(vec2 offset) const;
+  Shift shiftOf(const SearchTerm& term) const;
   Range rangeOf(std::span<const Shift> shifts) const;
   std::vector<std::uint64_t> blockedPlaces(std::span<const Shift> shifts, const Range& range) const;
   KernelBest searchTiled(std::span<const SearchTerm> terms, std::span<const Shift> shifts,
@@ -117,7 +123,9 @@ SwatchSearch::Planes::Planes(const Swatch& swatch, int level, int phaseCount, in
   left = tileable ? width / 2 : 0;
   stride = (left + width + (tileable ? (width + 1) / 2 : 0) + kOverread + 15) / 16 * 16;
   words = (width + 63) / 64 + 1;
-  pixels.resize(static_cast<std::size_t>(layers) * phases * phases * height * stride);
+  const int coarse = phasesOf(1) * phasesOf(1);
+  const auto planes = static_cast<std::size_t>(phases * phases + (layers - 1) * coarse);
+  pixels.resize(planes * height * stride);
   const int last = static_cast<int>(swatch.stack.size()) - 1;
   for (int layer = 0; layer < layers; ++layer) {
     fillLayer(swatch.stack[std::min(level + layer, last)], layer);
@@ -131,9 +139,10 @@ void SwatchSearch::Planes::fillLayer(const std::vector<vec3>& image, int layer) 
     y = tileable ? wrapped(y, height) : std::clamp(y, 0, height - 1);
     return image[static_cast<std::size_t>(y) * width + x];
   };
-  for (int b = 0; b < phases; ++b) {
-    for (int a = 0; a < phases; ++a) {
-      const float u = static_cast<float>(a) / phases, v = static_cast<float>(b) / phases;
+  const int count = phasesOf(layer);
+  for (int b = 0; b < count; ++b) {
+    for (int a = 0; a < count; ++a) {
+      const float u = static_cast<float>(a) / count, v = static_cast<float>(b) / count;
       for (int y = 0; y < height; ++y) {
         std::uint32_t* row = plane(layer, a, b) + y * stride + left;
         for (int x = 0; x < width; ++x) {
@@ -168,13 +177,14 @@ void SwatchSearch::Planes::fillTransparent(const Swatch& swatch) {
   }
 }
 
-Shift SwatchSearch::Planes::shiftOf(vec2 offset) const {
-  offset = glm::clamp(offset, -kFar, kFar);
-  const int x = static_cast<int>(std::floor(static_cast<double>(offset.x) * phases + 0.5));
-  const int y = static_cast<int>(std::floor(static_cast<double>(offset.y) * phases + 0.5));
-  Shift shift{0, 0, wrapped(x, phases), wrapped(y, phases)};
-  shift.x = (x - shift.a) / phases;
-  shift.y = (y - shift.b) / phases;
+Shift SwatchSearch::Planes::shiftOf(const SearchTerm& term) const {
+  const vec2 offset = glm::clamp(term.offset, -kFar, kFar);
+  const int count = phasesOf(term.layer);
+  const int x = static_cast<int>(std::floor(static_cast<double>(offset.x) * count + 0.5));
+  const int y = static_cast<int>(std::floor(static_cast<double>(offset.y) * count + 0.5));
+  Shift shift{0, 0, wrapped(x, count), wrapped(y, count)};
+  shift.x = (x - shift.a) / count;
+  shift.y = (y - shift.b) / count;
   if (tileable) {
     shift.x = wrapped(shift.x + left, width) - left;
     shift.y = wrapped(shift.y, height);
@@ -226,7 +236,7 @@ KernelBest SwatchSearch::Planes::searchInside(std::span<const SearchTerm> terms,
   std::vector<std::uint64_t> blocked;
   if (holes) blocked = blockedPlaces(shifts, range);
   return kernel({rows.data(), rows.size(), stride, range.x0, range.x1, range.y0, range.y1,
-                 holes ? blocked.data() : nullptr, words});
+                 holes ? blocked.data() : nullptr, words, KernelBest{}.error});
 }
 
 // Rows wrap by pointer: the places are cut into bands of rows in which no term crosses the lower
@@ -246,8 +256,8 @@ KernelBest SwatchSearch::Planes::searchTiled(std::span<const SearchTerm> terms,
       rows[t].row = plane(terms[t].layer, s.a, s.b) + firstRow * stride + left + s.x;
     }
     const KernelBest band =
-        kernel({rows.data(), rows.size(), stride, 0, width, y0, y1, nullptr, 0});
-    if (band.error < best.error) best = band;
+        kernel({rows.data(), rows.size(), stride, 0, width, y0, y1, nullptr, 0, best.error});
+    if (band.x >= 0) best = band;
   }
   return best;
 }
@@ -267,7 +277,7 @@ SwatchSearch::SwatchSearch(SwatchSearch&&) noexcept = default;
 SearchResult SwatchSearch::search(std::span<const SearchTerm> terms, SimdPath path) const {
   DAPPLE_CHECK(terms.size(), <=, kMaxTerms);
   std::vector<Shift> shifts(terms.size());
-  for (std::size_t t = 0; t < terms.size(); ++t) shifts[t] = planes_->shiftOf(terms[t].offset);
+  for (std::size_t t = 0; t < terms.size(); ++t) shifts[t] = planes_->shiftOf(terms[t]);
   const Kernel kernel = kernelOf(path);
   const KernelBest best = planes_->tileable ? planes_->searchTiled(terms, shifts, kernel)
                                             : planes_->searchInside(terms, shifts, kernel);

@@ -37,10 +37,10 @@ class SwatchSearch {
   SwatchSearch(SwatchSearch&&) noexcept;
 
   // The place x over all pixels with the least sum over terms |I(x + offset) - colour|^2, offsets
-  // rounded to 1/P pixel. Tileable: wrapped, all places; else only where every term stays inside
-  // the image; places where a term or the place itself falls on a transparent texel are skipped.
-  // Ties: smallest y, then x. All paths give the same result; one that this processor lacks is
-  // replaced by its best. At most 2^16 terms.
+  // rounded to 1/P pixel (in layers from 1 on, to 1/2 when P > 2). Tileable: wrapped, all places;
+  // else only where every term stays inside the image; places where a term or the place itself
+  // falls on a transparent texel are skipped. Ties: smallest y, then x. All paths give the same
+  // result; one that this processor lacks is replaced by its best. At most 2^16 terms.
   SearchResult search(std::span<const SearchTerm> terms, SimdPath path) const;
   SearchResult search(std::span<const SearchTerm> terms) const;  // on the best path
 

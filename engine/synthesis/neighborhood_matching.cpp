@@ -173,7 +173,8 @@ MatchRules Matcher::rulesOf(int l, bool again) const {
   const int top = static_cast<int>(fixed_.size()) - 1;
   MatchRules rules;
   rules.exhaustive = !options_.coherent || (l == top && top > 0);
-  if (l == 0 && again) rules.exhaustive = false;
+  // Visited again with all neighbours known, a point hardly gains from a search but pays most.
+  if (again && l < top) rules.exhaustive = false;
   rules.bonus = 1 + std::ldexp(kCoherenceBonus, -l);
   return rules;
 }
