@@ -85,7 +85,7 @@ Index MaxFlow::grow(Index i) {
 }
 
 void MaxFlow::orphan(Index i) {
-  nodes_[i].parent = kNone;
+  nodes_[i].parent = kOrphan;
   orphans_.push_back(i);
 }
 
@@ -120,7 +120,7 @@ void MaxFlow::augment(Index middle) {
 Index MaxFlow::originDepth(Index i) {
   Index depth = 0, j = i;
   for (;;) {
-    if (nodes_[j].seen == time_ && nodes_[j].parent != kNone) {
+    if (nodes_[j].seen == time_ && nodes_[j].parent != kOrphan) {
       depth += nodes_[j].depth;
       break;
     }
@@ -130,7 +130,7 @@ Index MaxFlow::originDepth(Index i) {
       nodes_[j].depth = 1;
       break;
     }
-    if (nodes_[j].parent == kNone) return kNone;
+    if (nodes_[j].parent == kOrphan) return kNone;
     j = arcs_[nodes_[j].parent].head;
   }
   Index below = depth;
@@ -160,10 +160,13 @@ void MaxFlow::adopt(Index i) {
   for (Index a = node.firstArc; a != kNone; a = arcs_[a].next) {
     const Index j = arcs_[a].head;
     if (nodes_[j].side != node.side || nodes_[j].parent == kNone) continue;
+    // An orphan, too: if it stays in the tree it must grow back to here.
     if (restTowards(node.side, a) > 0) wait(j);
-    if (nodes_[j].parent != kTerminal && arcs_[nodes_[j].parent].head == i) orphan(j);
+    const bool child = nodes_[j].parent < kOrphan && arcs_[nodes_[j].parent].head == i;
+    if (child) orphan(j);
   }
   node.side = Side::Free;
+  node.parent = kNone;
 }
 
 void MaxFlow::adopt() {

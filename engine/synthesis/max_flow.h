@@ -30,7 +30,7 @@ class MaxFlow {
   enum class Side : std::uint8_t { Free, Source, Sink };
   struct Node {
     Index firstArc = kNone;
-    Index parent = kNone;   // the arc to it; kTerminal, or kNone when there is none
+    Index parent = kNone;   // the arc to it; or kTerminal, kOrphan, kNone: in no tree
     std::int32_t rest = 0;  // > 0 left from the source, < 0 left to the sink
     Index seen = 0;         // time at which `depth` was right
     Index depth = 0;        // steps to the terminal
@@ -41,7 +41,7 @@ class MaxFlow {
     Index head, next;
     std::int32_t rest;
   };
-  static constexpr Index kTerminal = kNone - 1;
+  static constexpr Index kTerminal = kNone - 1, kOrphan = kNone - 2;
 
   void startTrees();
   void wait(Index i);

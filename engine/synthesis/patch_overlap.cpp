@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kCheckpointEvery = 512;
 constexpr std::size_t kSteps = 10;       // nearest neighbours that growth steps to
+constexpr std::size_t kFitted = 16;      // nearest neighbours that lay a point out
+constexpr float kSteepest = 2;           // steps in the domain are at most so many times as long
 constexpr std::size_t kMostOfPoint = 6;  // candidates
 constexpr std::size_t kFewest = 3;       // contributors that must agree
 constexpr std::size_t kBucketsPerPixel = 8;
@@ -21,34 +23,36 @@ class OverlapGrower {
  public:
   OverlapGrower(const SynthesisInput& input, const SourceMap& map, float overlap, Monitor& monitor)
       : input_(input),
-        map_(map),
         monitor_(monitor),
         overlap_(overlap),
         steps_(std::min(kSteps, input.neighborhoods.k)),
-        fit_(input.neighborhoods.k * kMostOfPoint, input.unit),
+        fitted_(std::min(kFitted, input.neighborhoods.k)),
+        fit_(fitted_ * kMostOfPoint, input.unit),
         buckets_(static_cast<std::size_t>(overlap * kBucketsPerPixel) + 1) {
     const std::size_t n = input.points.size();
-    all_.resize(n);
+    sites_.reserve(n + n / 2);
+    sites_.resize(n);
     next_.assign(n, kNone);
+    reach_.assign(n, 0);
+    distortion_ = map.error;
     for (std::size_t i = 0; i < n; ++i) {
-      ChartSite& site = all_[i].site;
+      ChartSite& site = sites_[i];
       site.position = input.points.positions[i], site.normal = input.points.normals[i];
       site.n = map.frame[i].n, site.t = map.frame[i].t, site.q = map.domain[i];
       site.patch = map.state[i] == PointState::Patch ? map.patch[i] : kNone;
-      all_[i].distortion = map.error[i];
     }
   }
 
   PatchOverlap run() {
     const std::size_t n = input_.points.size();
     for (std::size_t i = 0; i < n; ++i) {
-      if (all_[i].site.patch != kNone) spread(static_cast<Index>(i), static_cast<Index>(i));
+      if (sites_[i].patch != kNone) spread(static_cast<Index>(i), static_cast<Index>(i));
       if (i % kCheckpointEvery == 0) monitor_.checkpoint();
     }
     std::size_t done = 0;
     for (auto& bucket : buckets_) {
       for (std::size_t e = 0; e < bucket.size(); ++e) {
-        visit(bucket[e]);
+        visit(Step(bucket[e]));
         if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
       }
       bucket = {};
@@ -62,54 +66,57 @@ class OverlapGrower {
     float reach;
   };
 
-  bool sameSide(Index i, Index j) const {
-    return glm::dot(all_[i].site.normal, all_[j].site.normal) > 0;
-  }
+  bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
 
   // True when point i has a candidate of the patch at q.
   bool has(Index i, Index patch, vec2 q) const {
-    for (Index c = i; c != kNone; c = next_[c]) {
-      const ChartSite& site = all_[c].site;
-      const vec2 d = site.q - q;
-      if (site.patch == patch && glm::dot(d, d) < kCoherentPixels * kCoherentPixels) return true;
-    }
+    for (Index c = i; c != kNone; c = next_[c])
+      if (sites_[c].patch == patch && nearPlaces(sites_[c].q, q, kCoherentPixels)) return true;
     return false;
+  }
+
+  static bool nearPlaces(vec2 a, vec2 b, float pixels) {
+    const float x = a.x - b.x, y = a.y - b.y;
+    return x * x + y * y < pixels * pixels;
   }
 
   // Neighbours of point i that candidate c of it does not go on into.
   void spread(Index i, Index c) {
-    const PlaceCandidate& from = all_[c];
+    const ChartSite& from = sites_[c];
     const auto near = input_.neighborhoods.of(i);
     const auto distances = input_.neighborhoods.distancesOf(i);
     for (std::size_t s = 0; s < steps_; ++s) {
       const Index j = near[s];
-      const float reach = from.reach + distances[s] / input_.unit;
-      if (!(reach <= overlap_) || !sameSide(i, j)) continue;
-      if (has(j, from.site.patch, carriedPlace(from.site, all_[j].site.position, input_.unit)))
-        continue;
+      const float reach = reach_[c] + distances[s] / input_.unit;
+      if (!(reach <= overlap_)) return;
+      if (!sameSide(i, j)) continue;
+      if (has(j, from.patch, carriedPlace(from, sites_[j].position, input_.unit))) continue;
       buckets_[static_cast<std::size_t>(reach * kBucketsPerPixel)].push_back({j, c, reach});
     }
   }
 
   void visit(const Step& step) {
-    const ChartSite& from = all_[step.from].site;
-    const vec3 position = all_[step.to].site.position;
-    vec2 q = carriedPlace(from, position, input_.unit);
+    const ChartSite& from = sites_[step.from];
+    const vec2 q = carriedPlace(from, sites_[step.to].position, input_.unit);
     if (has(step.to, from.patch, q)) return;
-    gather(step.to, from.patch);
+    gather(step.to, from.patch, q);
     fit_.keepNear(q, kCoherentPixels);
     if (fit_.size() < kFewest) return;
     const ChartPoint fitted = fit_.average();
-    if (has(step.to, from.patch, fitted.q)) return;
-    add(step, from.patch, fitted);
+    if (!has(step.to, from.patch, fitted.q)) add(step, from.patch, fitted);
   }
 
-  void gather(Index i, Index patch) {
-    fit_.begin(all_[i].site.position);
-    for (const Index j : input_.neighborhoods.of(i)) {
-      if (!sameSide(i, j)) continue;
+  // Contributors of the patch that may place point i near q.
+  void gather(Index i, Index patch, vec2 q) {
+    const auto near = input_.neighborhoods.of(i);
+    const auto distances = input_.neighborhoods.distancesOf(i);
+    fit_.begin(sites_[i].position);
+    for (std::size_t s = 0; s < fitted_; ++s) {
+      const Index j = near[s];
+      const float within = kSteepest * distances[s] / input_.unit + kCoherentPixels;
       for (Index c = j; c != kNone; c = next_[c])
-        if (all_[c].site.patch == patch) fit_.add(all_[c].site);
+        if (sites_[c].patch == patch && nearPlaces(sites_[c].q, q, within) && sameSide(i, j))
+          fit_.add(sites_[c]);
     }
     fit_.finish();
   }
@@ -118,13 +125,14 @@ class OverlapGrower {
     Index last = step.to;
     for (std::size_t count = 1; next_[last] != kNone; last = next_[last])
       if (++count == kMostOfPoint) return;
-    const Index c = static_cast<Index>(all_.size());
-    PlaceCandidate candidate = all_[step.to];
-    candidate.distortion = fitted.distortion, candidate.reach = step.reach;
-    candidate.site.q = fitted.q, candidate.site.patch = patch;
-    candidate.site.n = fitted.frame.n, candidate.site.t = fitted.frame.t;
-    all_.push_back(candidate);
+    const Index c = static_cast<Index>(sites_.size());
+    ChartSite site = sites_[step.to];
+    site.q = fitted.q, site.patch = patch;
+    site.n = fitted.frame.n, site.t = fitted.frame.t;
+    sites_.push_back(site);
     next_.push_back(kNone);
+    reach_.push_back(step.reach);
+    distortion_.push_back(fitted.distortion);
     next_[last] = c;
     spread(step.to, c);
   }
@@ -133,24 +141,30 @@ class OverlapGrower {
     PatchOverlap overlap;
     const std::size_t n = input_.points.size();
     overlap.offset.reserve(n + 1);
-    overlap.candidates.reserve(all_.size());
+    overlap.site.reserve(sites_.size());
+    overlap.distortion.reserve(sites_.size());
+    overlap.reach.reserve(sites_.size());
     for (std::size_t i = 0; i < n; ++i) {
-      overlap.offset.push_back(overlap.candidates.size());
-      for (Index c = static_cast<Index>(i); c != kNone; c = next_[c])
-        if (all_[c].site.patch != kNone) overlap.candidates.push_back(all_[c]);
+      overlap.offset.push_back(static_cast<Index>(overlap.site.size()));
+      for (Index c = static_cast<Index>(i); c != kNone; c = next_[c]) {
+        if (sites_[c].patch == kNone) continue;
+        overlap.site.push_back(sites_[c]);
+        overlap.distortion.push_back(distortion_[c]);
+        overlap.reach.push_back(reach_[c]);
+      }
     }
-    overlap.offset.push_back(overlap.candidates.size());
+    overlap.offset.push_back(static_cast<Index>(overlap.site.size()));
     return overlap;
   }
 
   const SynthesisInput& input_;
-  const SourceMap& map_;
   Monitor& monitor_;
   const float overlap_;
-  const std::size_t steps_;
+  const std::size_t steps_, fitted_;
   ChartFit fit_;
-  std::vector<PlaceCandidate> all_;  // n of the points themselves, then as they are found
-  std::vector<Index> next_;          // of the same point
+  std::vector<ChartSite> sites_;  // candidates: n of the points themselves, then as they are found
+  std::vector<float> reach_, distortion_;  // of each
+  std::vector<Index> next_;                // candidate of the same point
   std::vector<std::vector<Step>> buckets_;
 };
 

@@ -2,7 +2,6 @@
 // a choice to cut through.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "base/monitor.h"
@@ -12,23 +11,14 @@
 
 namespace dapple {
 
-// One way to lay a point into the swatch.
-struct PlaceCandidate {
-  ChartSite site;        // q in the domain of site.patch
-  float distortion = 0;  // D of the fit
-  float reach = 0;       // pixels beyond the patch as grown; 0: the point belongs to it
-};
-
-// The candidates of all points, a patch point's own first, then by reach. Two of a point lie apart:
-// a patch that bends round until it meets itself gives candidates of the same patch with
-// different q.
+// The ways to lay each point into the swatch, its candidates: a patch point's own first, then by
+// reach. Two of a point lie apart: a patch that bends round until it meets itself gives candidates
+// of the same patch with different q. One column for each number, a point's candidates together.
 struct PatchOverlap {
-  std::vector<std::size_t> offset;  // n + 1
-  std::vector<PlaceCandidate> candidates;
-
-  std::span<const PlaceCandidate> of(std::size_t i) const {
-    return {candidates.data() + offset[i], offset[i + 1] - offset[i]};
-  }
+  std::vector<Index> offset;      // n + 1
+  std::vector<ChartSite> site;    // q in the domain of site.patch
+  std::vector<float> distortion;  // D of the fit
+  std::vector<float> reach;       // pixels beyond the patch as grown; 0: the point belongs to it
 };
 
 inline constexpr float kCoherentPixels = 1.5f;  // places further apart belong to different sheets

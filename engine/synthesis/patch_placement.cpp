@@ -17,7 +17,6 @@ constexpr int kRounds = 2;
 
 // A point where a patch overlaps another one.
 struct Meeting {
-  Index point;
   Index own, other;  // candidates
 };
 
@@ -51,17 +50,15 @@ class Placer {
     moved_.assign(placed_.size(), false);
     members_.assign(input_.swatch.hasHoles ? placed_.size() : 0, {});
     for (std::size_t i = 0; i < input_.points.size(); ++i) {
-      for (std::size_t a = overlap_.offset[i]; a < overlap_.offset[i + 1]; ++a) {
-        const ChartSite& site = overlap_.candidates[a].site;
-        if (overlap_.candidates[a].reach == 0) {
+      for (Index a = overlap_.offset[i]; a < overlap_.offset[i + 1]; ++a) {
+        const ChartSite& site = overlap_.site[a];
+        if (overlap_.reach[a] == 0) {
           boxes_[site.patch].low = glm::min(boxes_[site.patch].low, site.q);
           boxes_[site.patch].high = glm::max(boxes_[site.patch].high, site.q);
           if (input_.swatch.hasHoles) members_[site.patch].push_back(static_cast<Index>(i));
         }
-        for (std::size_t b = overlap_.offset[i]; b < overlap_.offset[i + 1]; ++b)
-          if (overlap_.candidates[b].site.patch != site.patch)
-            meetings_[site.patch].push_back(
-                {static_cast<Index>(i), static_cast<Index>(a), static_cast<Index>(b)});
+        for (Index b = overlap_.offset[i]; b < overlap_.offset[i + 1]; ++b)
+          if (overlap_.site[b].patch != site.patch) meetings_[site.patch].push_back({a, b});
       }
     }
   }
@@ -77,7 +74,7 @@ class Placer {
         if (!placed_[p] && (best == kNone || known[p] > known[best])) best = p;
       if (known[best] > 0) place(best), order.push_back(best);
       placed_[best] = true;
-      for (const Meeting& m : meetings_[best]) ++known[overlap_.candidates[m.other].site.patch];
+      for (const Meeting& m : meetings_[best]) ++known[overlap_.site[m.other].patch];
     }
     return order;
   }
@@ -98,15 +95,15 @@ class Placer {
   std::vector<SearchTerm> terms(Index patch) {
     std::vector<const Meeting*> known;
     for (const Meeting& m : meetings_[patch])
-      if (placed_[overlap_.candidates[m.other].site.patch]) known.push_back(&m);
+      if (placed_[overlap_.site[m.other].patch]) known.push_back(&m);
     std::vector<SearchTerm> out;
     const std::size_t count = std::min(kTerms, known.size());
     for (std::size_t t = 0; t < count; ++t) {
       const Meeting& m = *known[t * known.size() / count];
-      const ChartSite& other = overlap_.candidates[m.other].site;
+      const ChartSite& other = overlap_.site[m.other];
       const vec2 texel = other.q + map_.placement[other.patch];
       if (!usableTexel(input_.swatch, wrapTexel(input_.swatch, texel))) continue;
-      out.push_back({overlap_.candidates[m.own].site.q, sampleSwatch(input_.swatch, texel)});
+      out.push_back({overlap_.site[m.own].q, sampleSwatch(input_.swatch, texel)});
     }
     if (!input_.swatch.tileable && !out.empty()) keepInside(patch, out);
     return out;

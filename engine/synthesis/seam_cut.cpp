@@ -8,19 +8,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/errors.h"
 #include "synthesis/max_flow.h"
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kCheckpointEvery = 512;
-constexpr std::size_t kEdges = 8;        // nearest neighbours that a seam is counted between
-constexpr float kCost = 4096;            // integer cost of a colour difference of 1
-constexpr float kPerDistortion = 0.01f;  // cost of D = 1, as a colour difference
-constexpr float kMostDistortion = 5;     // counted
-constexpr float kUnknownSheet = 0.1f;    // added where a sheet ends at a point
-constexpr float kSheetRadius = 16;       // pixels
-constexpr int kRounds = 3;               // over all sheets, at most
+const std::size_t kEdges =
+    getenv("KE") ? atoi(getenv("KE")) : 8;  // nearest neighbours that a seam is counted between
+constexpr float kCost = 4096;               // integer cost of a colour difference of 1
+constexpr float kPerDistortion = 0.01f;     // cost of D = 1, as a colour difference
+constexpr float kMostDistortion = 5;        // counted
+constexpr float kUnknownSheet = 0.1f;       // added where a sheet ends at a point
+const float kSheetRadius = getenv("SR") ? atof(getenv("SR")) : 16;  // pixels
+const float kSeedSpacing = getenv("SS") ? atof(getenv("SS")) : 12;  // of sheets along a seam, pixels
+const int kRounds = getenv("RD") ? atoi(getenv("RD")) : 3;         // over all sheets, at most
 constexpr std::uint8_t kNoLink = 255;
 
 using Cost = std::int32_t;
@@ -64,16 +67,15 @@ class GraphBuilder {
     for (std::size_t i = 0; i < n; ++i) {
       if (i % kCheckpointEvery == 0) monitor_.checkpoint();
       graph_.first.push_back(static_cast<Index>(graph_.source.size()));
-      for (std::size_t c = overlap_.offset[i]; c < overlap_.offset[i + 1]; ++c) {
-        const PlaceCandidate& candidate = overlap_.candidates[c];
-        const vec2 texel =
-            wrapTexel(input_.swatch, candidate.site.q + map_.placement[candidate.site.patch]);
-        if (candidate.reach > 0 && !usableTexel(input_.swatch, texel)) continue;
-        graph_.source.push_back(static_cast<Index>(c));
+      for (Index c = overlap_.offset[i]; c < overlap_.offset[i + 1]; ++c) {
+        const ChartSite& site = overlap_.site[c];
+        const vec2 texel = wrapTexel(input_.swatch, site.q + map_.placement[site.patch]);
+        if (overlap_.reach[c] > 0 && !usableTexel(input_.swatch, texel)) continue;
+        graph_.source.push_back(c);
         graph_.texel.push_back(texel);
         graph_.colour.push_back(sampleSwatch(input_.swatch, texel));
         graph_.data.push_back(static_cast<Cost>(kCost * kPerDistortion *
-                                                std::min(candidate.distortion, kMostDistortion)));
+                                                std::min(overlap_.distortion[c], kMostDistortion)));
       }
     }
     graph_.first.push_back(static_cast<Index>(graph_.source.size()));
@@ -145,9 +147,7 @@ class GraphBuilder {
     return best;
   }
 
-  const ChartSite& siteOf(Index candidate) const {
-    return overlap_.candidates[graph_.source[candidate]].site;
-  }
+  const ChartSite& siteOf(Index candidate) const { return overlap_.site[graph_.source[candidate]]; }
 
   const SynthesisInput& input_;
   const PatchOverlap& overlap_;
@@ -182,6 +182,7 @@ class Cutter {
       if (energy_ == atStart) break;
     }
     statistics.energyBefore = static_cast<double>(before) / kCost;
+    DAPPLE_CHECK(energy_, ==, energy());
     statistics.energyAfter = static_cast<double>(energy_) / kCost;
     for (const std::uint8_t label : label_) statistics.changed += label > 0 ? 1 : 0;
     return statistics;
@@ -228,19 +229,24 @@ class Cutter {
     return sum;
   }
 
-  // Candidates whose sheets cover all others, each from half a sheet's radius away.
+  // Both sides of every seam between nearest patches, each from `kSeedSpacing` away from the next.
   void chooseSeeds() {
     std::vector<bool> covered(graph_.source.size(), false);
     for (Index i = 0; i < label_.size(); ++i) {
-      if (!hasChoice(i)) continue;
-      for (std::uint8_t c = 0; c < graph_.count(i); ++c) {
-        if (covered[at(i, c)]) continue;
-        seeds_.push_back({i, c});
-        growSheet(i, c, kSheetRadius / 2);
-        for (const SheetPoint& s : sheet_) covered[at(s.point, proposal_[s.point])] = true;
-      }
-      monitor_.checkpoint();
+      if (i % kCheckpointEvery == 0) monitor_.checkpoint();
+      const std::uint8_t own = label_[i];
+      if (!hasChoice(i) || covered[at(i, own)] || !atSeam(i)) continue;
+      seeds_.push_back({i, own});
+      growSheet(i, own, kSeedSpacing);
+      for (const SheetPoint& s : sheet_) covered[at(s.point, proposal_[s.point])] = true;
     }
+  }
+
+  bool atSeam(Index i) const {
+    const auto near = edges(i);
+    return std::any_of(near.begin(), near.end(), [&](const CutGraph::HalfEdge& edge) {
+      return graph_.link[edge.links + label_[i]] != label_[edge.to];
+    });
   }
 
   // sheet_: points with a choice around `start`, with the candidates that continue `candidate`.
@@ -283,68 +289,65 @@ class Cutter {
 
   void cut() {
     flow_.reset(nodes_.size());
+    gained_ = 0;
+    relaxed_.clear();
     for (Index v = 0; v < nodes_.size(); ++v) addNode(v);
-    flow_.solve();
-    const std::int64_t before = localEnergy();
-    swapLabels();
-    const std::int64_t after = localEnergy();
-    // Pairs that are not submodular are given to the cut as if they were, so that it may be wrong.
-    if (after >= before) return swapLabels();
-    energy_ += after - before;
-    for (Index v = 0; v < nodes_.size(); ++v)
-      if (flow_.onSinkSide(v)) changedAt_[nodes_[v]] = clock_;
+    std::int64_t change = flow_.solve() - gained_;
+    for (const Relaxed& pair : relaxed_)
+      if (!flow_.onSinkSide(pair.v) && !flow_.onSinkSide(pair.w)) change += pair.by;
+    if (change >= 0) return;
+    energy_ += change;
+    for (Index v = 0; v < nodes_.size(); ++v) {
+      if (!flow_.onSinkSide(v)) continue;
+      label_[nodes_[v]] = proposal_[nodes_[v]];
+      changedAt_[nodes_[v]] = clock_;
+    }
   }
 
   // The source's side keeps its label, the sink's takes the proposal.
   void addNode(Index v) {
     const Index i = nodes_[v];
     const std::uint8_t keep = label_[i], take = proposal_[i];
-    Cost keepCost = graph_.data[at(i, keep)], takeCost = graph_.data[at(i, take)];
+    Cost slope = graph_.data[at(i, take)] - graph_.data[at(i, keep)];
     for (const CutGraph::HalfEdge& edge : edges(i)) {
       const Index j = edge.to, w = node_[j];
-      if (w == kNone) {
-        keepCost += seam(edge, i, keep, label_[j]);
-        takeCost += seam(edge, i, take, label_[j]);
-      } else if (v < w) {
-        addPair(edge, v, w);
-      }
+      if (w == kNone)
+        slope += seam(edge, i, take, label_[j]) - seam(edge, i, keep, label_[j]);
+      else if (v < w)
+        slope += addPair(edge, v, w);
     }
-    flow_.addTerminals(v, takeCost, keepCost);
+    addSlope(v, slope);
   }
 
-  // E = kk + (tk - kk) x_i + (tt - tk) x_j + (kt + tk - kk - tt) (1 - x_i) x_j
-  void addPair(const CutGraph::HalfEdge& edge, Index v, Index w) {
+  // With kt the cost of v keeping and w taking, and x = 1 for taking:
+  // E - kk = (tk - kk) x_v + (tt - tk) x_w + (kt + tk - kk - tt) (1 - x_v) x_w
+  // A cut needs the last factor >= 0. Where it is not, kk counts less in the cut than it costs:
+  // the labels found may then be worse than those kept, which the sum at the end shows.
+  Cost addPair(const CutGraph::HalfEdge& edge, Index v, Index w) {
     const Index i = nodes_[v], j = nodes_[w];
     const Cost kt = seam(edge, i, label_[i], proposal_[j]),
                tk = seam(edge, i, proposal_[i], label_[j]),
                tt = seam(edge, i, proposal_[i], proposal_[j]),
-               kk = std::min(seam(edge, i, label_[i], label_[j]), kt + tk - tt);
-    addSlope(v, tk - kk);
+               real = seam(edge, i, label_[i], label_[j]), kk = std::min(real, kt + tk - tt);
+    if (kk < real) {
+      relaxed_.push_back({v, w, real - kk});
+      gained_ += real - kk;
+    }
     addSlope(w, tt - tk);
-    flow_.addEdge(v, w, kt + tk - kk - tt, 0);
+    if (kt + tk - kk - tt > 0) flow_.addEdge(v, w, kt + tk - kk - tt, 0);
+    return tk - kk;
   }
 
   // Cost of node v on the sink's side over that on the source's.
   void addSlope(Index v, Cost slope) {
     flow_.addTerminals(v, std::max(slope, 0), std::max(-slope, 0));
+    if (slope < 0) gained_ -= slope;
   }
 
-  std::int64_t localEnergy() const {
-    std::int64_t sum = 0;
-    for (const Index i : nodes_) {
-      sum += graph_.data[at(i, label_[i])];
-      for (const CutGraph::HalfEdge& edge : edges(i))
-        if (node_[edge.to] == kNone || edge.to > i)
-          sum += seam(edge, i, label_[i], label_[edge.to]);
-    }
-    return sum;
-  }
-
-  void swapLabels() {
-    for (Index v = 0; v < nodes_.size(); ++v)
-      if (flow_.onSinkSide(v)) std::swap(label_[nodes_[v]], proposal_[nodes_[v]]);
-  }
-
+  struct Relaxed {
+    Index v, w;
+    Cost by;
+  };
   struct SheetPoint {
     Index point;
     float distance;
@@ -360,6 +363,8 @@ class Cutter {
   std::vector<Index> nodes_;
   std::vector<Seed> seeds_;
   MaxFlow flow_;
+  std::int64_t gained_ = 0;  // what the cut's cost is above the change of energy
+  std::vector<Relaxed> relaxed_;
   Index stamp_ = 0, clock_ = 0;
   std::int64_t energy_ = 0;
 };
@@ -371,13 +376,13 @@ void writeLabels(const PatchOverlap& overlap, const CutGraph& graph,
     const bool settled = map.state[i] == PointState::Patch && labels[i] == 0;
     if (settled) continue;
     const Index c = graph.first[i] + labels[i];
-    const PlaceCandidate& chosen = overlap.candidates[graph.source[c]];
-    map.patch[i] = chosen.site.patch;
-    map.domain[i] = chosen.site.q;
+    const ChartSite& chosen = overlap.site[graph.source[c]];
+    map.patch[i] = chosen.patch;
+    map.domain[i] = chosen.q;
     map.texel[i] = graph.texel[c];
     map.colour[i] = graph.colour[c];
-    map.error[i] = chosen.distortion;
-    map.frame[i] = orthonormalFrame(chosen.site.n, chosen.site.t);
+    map.error[i] = overlap.distortion[graph.source[c]];
+    map.frame[i] = orthonormalFrame(chosen.n, chosen.t);
   }
 }
 
