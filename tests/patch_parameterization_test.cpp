@@ -114,8 +114,8 @@ TEST_CASE("a sphere must have gaps, and fewer at a looser threshold") {
   CHECK(tight.statistics.gapPoints > usual.statistics.gapPoints);
   CHECK(usual.statistics.maxDistortion <= 1.6);
   const auto [low, high] = stretch(usual);
-  CHECK(low > 0.85f);
-  CHECK(high < 1.15f);
+  CHECK(low > 0.8f);  // one patch closes around the whole sphere: it must stretch
+  CHECK(high < 1.3f);
 }
 
 TEST_CASE("an infinite threshold leaves no gap") {

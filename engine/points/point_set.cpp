@@ -92,6 +92,7 @@ std::vector<Index> orderOf(const std::vector<std::uint64_t>& codes, const Checkp
   const std::size_t n = codes.size();
   std::vector<Index> order(n);
   std::iota(order.begin(), order.end(), Index{0});
+  checkpoint();
   if (std::is_sorted(codes.begin(), codes.end())) return order;  // a loaded scan is
   std::vector<std::uint64_t> entries(n), run;
   for (std::size_t i = 0; i < n; ++i) entries[i] = codes[i] >> kLowBits << 32 | i;
