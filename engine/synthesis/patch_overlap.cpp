@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kCheckpointEvery = 512;
 constexpr std::size_t kSteps = 10;       // nearest neighbours that growth steps to
-constexpr std::size_t kFitted = 16;      // nearest neighbours that lay a point out
+constexpr std::size_t kFitted = 12;      // nearest neighbours that lay a point out
 constexpr float kSteepest = 2;           // steps in the domain are at most so many times as long
 constexpr std::size_t kMostOfPoint = 6;  // candidates
 constexpr std::size_t kFewest = 3;       // contributors that must agree
@@ -46,7 +46,7 @@ class OverlapGrower {
   PatchOverlap run() {
     const std::size_t n = input_.points.size();
     for (std::size_t i = 0; i < n; ++i) {
-      if (sites_[i].patch != kNone) spread(static_cast<Index>(i), static_cast<Index>(i));
+      if (atBorder(static_cast<Index>(i))) spread(static_cast<Index>(i), static_cast<Index>(i));
       if (i % kCheckpointEvery == 0) monitor_.checkpoint();
     }
     std::size_t done = 0;
@@ -67,6 +67,19 @@ class OverlapGrower {
   };
 
   bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
+
+  // True for a patch point with a neighbour that is not plainly next to it in the patch.
+  bool atBorder(Index i) const {
+    const ChartSite& site = sites_[i];
+    if (site.patch == kNone) return false;
+    const auto near = input_.neighborhoods.of(i);
+    const float within =
+        kCoherentPixels + input_.neighborhoods.distancesOf(i)[steps_ - 1] / input_.unit;
+    for (std::size_t s = 0; s < steps_; ++s)
+      if (sites_[near[s]].patch != site.patch || !nearPlaces(sites_[near[s]].q, site.q, within))
+        return true;
+    return false;
+  }
 
   // True when point i has a candidate of the patch at q.
   bool has(Index i, Index patch, vec2 q) const {

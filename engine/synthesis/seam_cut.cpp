@@ -15,15 +15,14 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kCheckpointEvery = 512;
-const std::size_t kEdges =
-    getenv("KE") ? atoi(getenv("KE")) : 8;  // nearest neighbours that a seam is counted between
-constexpr float kCost = 4096;               // integer cost of a colour difference of 1
-constexpr float kPerDistortion = 0.01f;     // cost of D = 1, as a colour difference
-constexpr float kMostDistortion = 5;        // counted
-constexpr float kUnknownSheet = 0.1f;       // added where a sheet ends at a point
-const float kSheetRadius = getenv("SR") ? atof(getenv("SR")) : 16;  // pixels
-const float kSeedSpacing = getenv("SS") ? atof(getenv("SS")) : 12;  // of sheets along a seam, pixels
-const int kRounds = getenv("RD") ? atoi(getenv("RD")) : 3;         // over all sheets, at most
+constexpr std::size_t kEdges = 8;        // nearest neighbours that a seam is counted between
+constexpr float kCost = 4096;            // integer cost of a colour difference of 1
+constexpr float kPerDistortion = 0.01f;  // cost of D = 1, as a colour difference
+constexpr float kMostDistortion = 5;     // counted
+constexpr float kUnknownSheet = 0.1f;    // added where a sheet ends at a point
+constexpr float kSheetRadius = 16;       // pixels
+constexpr float kSeedSpacing = 12;       // of sheets along a seam, pixels
+constexpr int kRounds = 2;               // over all sheets, at most
 constexpr std::uint8_t kNoLink = 255;
 
 using Cost = std::int32_t;
@@ -386,6 +385,12 @@ void writeLabels(const PatchOverlap& overlap, const CutGraph& graph,
   }
 }
 
+void copyPlace(SourceMap& map, Index from, Index to) {
+  map.patch[to] = map.patch[from], map.domain[to] = map.domain[from];
+  map.texel[to] = map.texel[from], map.colour[to] = map.colour[from];
+  map.frame[to] = map.frame[from];
+}
+
 // Gap points that have no candidate copy the nearest point that has one.
 std::size_t copyNeighbours(const SynthesisInput& input, const CutGraph& graph, SourceMap& map) {
   std::vector<Index> left;
@@ -404,13 +409,14 @@ std::size_t copyNeighbours(const SynthesisInput& input, const CutGraph& graph, S
         still.push_back(i);
         continue;
       }
-      map.patch[i] = map.patch[*from], map.domain[i] = map.domain[*from];
-      map.texel[i] = map.texel[*from], map.colour[i] = map.colour[*from];
-      map.frame[i] = map.frame[*from];
+      copyPlace(map, *from, i);
       known[i] = progress = true;
     }
     left.swap(still);
   }
+  // A part of the surface without any patch: better any texel than none.
+  const Index any = static_cast<Index>(std::find(known.begin(), known.end(), true) - known.begin());
+  for (const Index i : left) copyPlace(map, any, i);
   return stranded;
 }
 
