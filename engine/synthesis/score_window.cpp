@@ -14,7 +14,7 @@ constexpr int kPaddedSide = kWindowSide + 2 * kRim;
 // where points are many, to no less than chance leaves: for points at random the sum has a variance
 // of half its mean.
 const float kLeastWeight = std::exp(-2 * 1.6f * 1.6f);
-constexpr float kChance = 3.5f;  // standard deviations
+constexpr float kChance = 3;  // standard deviations
 
 // Gaussian of half a step at the four nodes from `first` on, seen from x (both in steps).
 Float4 fourWeights(float x, float first) {
