@@ -3,7 +3,8 @@
 // Departures: Match needs axes at gap points, of which the paper says nothing: those of the
 // neighbouring points of the dominant patch, averaged in the queue's order. Cut replaces the
 // paper's second half (methods: section 4): a gap 3 pixels wide cannot mend a pattern that breaks
-// off at it, whatever fills it.
+// off at it, whatever fills it. Matching again in a band along the cuts (methods: section 4) is not
+// done: its candidates are the same sheets that the cut has chosen from.
 #include "synthesis/hybrid_synthesis.h"
 
 #include <algorithm>

@@ -13,7 +13,6 @@ namespace {
 constexpr int kPhases = 4;           // offsets are rounded to 1 / kPhases pixel by the search
 constexpr std::size_t kTerms = 150;  // of a search
 constexpr float kMargin = 3;         // pixels from the swatch's border, where there is room
-constexpr int kRounds = 2;
 
 // A point where a patch overlaps another one.
 struct Meeting {
@@ -38,9 +37,7 @@ class Placer {
 
   std::size_t run() {
     findMeetings();
-    const std::vector<Index> order = firstRound();
-    for (int round = 1; round < kRounds; ++round)
-      for (const Index patch : order) place(patch);
+    placeAll();
     recolour();
     return static_cast<std::size_t>(std::count(moved_.begin(), moved_.end(), true));
   }
@@ -65,18 +62,17 @@ class Placer {
 
   // Patches in the order of their overlap with those placed before; the first of all, and the first
   // of every part of the surface that overlaps no other, stay where they are.
-  std::vector<Index> firstRound() {
-    std::vector<Index> order;
+  // Moving them again once all are placed was measured to gain nothing.
+  void placeAll() {
     std::vector<std::size_t> known(placed_.size(), 0);  // meetings with placed patches
     for (std::size_t step = 0; step < placed_.size(); ++step) {
       Index best = kNone;
       for (Index p = 0; p < placed_.size(); ++p)
         if (!placed_[p] && (best == kNone || known[p] > known[best])) best = p;
-      if (known[best] > 0) place(best), order.push_back(best);
+      if (known[best] > 0) place(best);
       placed_[best] = true;
       for (const Meeting& m : meetings_[best]) ++known[overlap_.site[m.other].patch];
     }
-    return order;
   }
 
   void place(Index patch) {
