@@ -78,13 +78,11 @@ int runCommandLine(int argc, char** argv) {
       addRenderCommand(app, common[2]), addScoreCommand(app, common[3])};
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kBadInput;
-  }
-  try {
     for (const Subcommand& command : commands)
       if (command.app->parsed()) runCommand(command);
     return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadInput;
   } catch (const Cancelled&) {
     return report(kStopped, "stopped; nothing was written", "");
   } catch (const InvalidInput& error) {

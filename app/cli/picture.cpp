@@ -53,6 +53,10 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options) {
   return picture;
 }
 
+void checkView(const PictureOptions& options) {
+  if (!options.eye || !options.target) standardView(options.view, Bounds{}, 1);
+}
+
 void parseSize(const std::string& text, PictureOptions& options) {
   const char* end = text.data() + text.size();
   const auto width = std::from_chars(text.data(), end, options.width);

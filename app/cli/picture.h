@@ -29,6 +29,9 @@ struct PictureInput {
 // Throws InvalidInput (a view whose column is not there, a size out of range).
 Image drawPicture(const PictureInput& input, const PictureOptions& options);
 
+// Throws InvalidInput for a view that drawPicture() would refuse: before the long work, not after.
+void checkView(const PictureOptions& options);
+
 // "1280x720". Throws InvalidInput.
 void parseSize(const std::string& text, PictureOptions& options);
 

@@ -5,6 +5,7 @@
 
 #include "app/cli/cli.h"
 #include "app/cli/picture.h"
+#include "app/cli/report.h"
 #include "base/errors.h"
 #include "document/texture_job.h"
 #include "document/textured_scan.h"
@@ -32,6 +33,8 @@ void runRender(RenderArguments& a, Monitor& monitor) {
   a.picture.show = viewNamed(a.show);
   a.picture.eye = toVector(a.eye);
   a.picture.target = toVector(a.target);
+  checkView(a.picture);
+  checkWritable(a.output);
   PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
   PointSet& points = prepared.scan.points;
   if (points.colours.empty()) {

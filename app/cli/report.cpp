@@ -83,6 +83,13 @@ Json reportJson(const ReportInput& input) {
       {"score", input.score ? scoreJson(*input.score) : Json()}};
 }
 
+void checkWritable(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::is_other(status)) const OutputFile probe(path);
+}
+
 void writeTextFile(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text.data(), text.size());

@@ -23,6 +23,10 @@ nlohmann::ordered_json reportJson(const ReportInput& input);
 // Points per second of all stages but load and save.
 double pointsPerSecond(const PreparedScan& prepared, const TexturedPoints& textured);
 
+// Throws IoError when no file can be made at `path`, to be called before the long work. An empty
+// path is fine; a device or pipe is left alone, for closing a pipe would end its reader.
+void checkWritable(const std::string& path);
+
 // Writes text beside `path` and renames it into place. Throws IoError.
 void writeTextFile(const std::string& path, const std::string& text);
 

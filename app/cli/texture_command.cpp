@@ -106,9 +106,11 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
 void runTexture(TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
   if (a.zUp && a.options.up == TextureOptions{}.up) a.options.up = vec3(0, 0, 1);
   validate(a.options);
-  PictureOptions checked;
+  PictureOptions checked{.view = a.view};
   parseSize(a.size, checked);
   viewNamed(a.show);
+  checkView(checked);
+  for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
   const Swatch swatch =
       makeSwatch(readImage(a.swatch), a.options.tileable, stackLevels(a.options), a.swatch);
   const PreparedScan prepared = prepareScan(a.scan, a.load, a.options.neighbours, monitor);
@@ -122,13 +124,13 @@ void runTexture(TextureArguments& a, const CommonOptions& common, Monitor& monit
                          .map = &textured.map,
                          .frames = &textured.frames},
                         monitor);
+  const auto saving = std::chrono::steady_clock::now();
+  savePly(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
+  const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);
     drawResult(a, prepared, textured);
   }
-  const auto saving = std::chrono::steady_clock::now();
-  savePly(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
-  const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.report.empty())
     writeTextFile(a.report, reportJson({.prepared = prepared,
                                         .textured = textured,
