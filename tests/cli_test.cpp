@@ -1,0 +1,480 @@
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/render/image_compare.h"
+#include "cli_program.h"
+#include "io/image_io.h"
+
+namespace dapple {
+namespace {
+
+using namespace testing;
+using Json = nlohmann::json;
+
+const std::vector<Arguments> kMethods{
+    {"--method", "patches"},
+    {"--method", "match"},
+    {"--method", "hybrid", "--gaps", "cut"},
+    {"--method", "hybrid", "--gaps", "match"},
+    {"--method", "triplanar"},
+    {"--method", "random"},
+};
+constexpr std::size_t kPoints = 3000;
+
+std::string swatch() {
+  return asset("swatches/pebbles.png");
+}
+
+Arguments textureArguments(const std::string& scan, const std::string& output,
+                           const Arguments& more = {}) {
+  Arguments all{"texture", scan, "--swatch", swatch(), "-o", output};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+Arguments operator+(Arguments a, const Arguments& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != text.npos;
+}
+
+// A scan with everything that a reader may not know: colours, a list, other elements, comments.
+std::string strangePly(const std::vector<Position>& points) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\ncomment keep me\nelement camera 1\nproperty float fov\nelement "
+      "vertex "
+      "{}\nproperty ushort intensity\nproperty double x\nproperty double y\nproperty double z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty list uchar int "
+      "tags\n"
+      "element marker 2\nproperty list uchar short codes\nend_header\n42.5\n",
+      points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    text += fmt::format("{} {} {} {} 1 2 3 2 {} -7\n", i, points[i][0], points[i][1], points[i][2],
+                        i * 3);
+  return text + "2 5 -6\n0\n";
+}
+
+std::vector<std::array<int, 3>> coloursOf(const std::string& path) {
+  std::vector<std::array<int, 3>> colours;
+  for (const std::string& line : readPlyText(path).body) {
+    const auto words = wordsOf(line);
+    REQUIRE(words.size() == 6);
+    colours.push_back({std::stoi(words[3]), std::stoi(words[4]), std::stoi(words[5])});
+  }
+  return colours;
+}
+
+std::vector<std::string> propertiesOf(const PlyText& ply, const std::string& element) {
+  std::vector<std::string> names;
+  bool inside = false;
+  for (const std::string& line : ply.header) {
+    if (line.starts_with("element ")) inside = wordsOf(line)[1] == element;
+    if (inside && line.starts_with("property ")) names.push_back(wordsOf(line).back());
+  }
+  return names;
+}
+
+std::size_t countOf(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<std::size_t>(std::count(names.begin(), names.end(), name));
+}
+
+bool allNumbersFinite(const Json& json) {
+  if (json.is_structured())
+    return std::all_of(json.begin(), json.end(), [](const Json& j) { return allNumbersFinite(j); });
+  return !json.is_null() && (!json.is_number() || std::isfinite(json.get<double>()));
+}
+
+const std::vector<const char*> kScoreKeys{
+    "F", "F_oriented", "c1", "c2", "c4", "defects", "sw", "seam_error", "breaks", "gap_contrast"};
+
+TEST_CASE("every method colours the points in their order and keeps the rest of the file") {
+  const TemporaryFolder folder;
+  const auto points = spherePoints(kPoints, 1);
+  const std::string scan = folder.write("in.ply", strangePly(points)), out = folder / "out.ply";
+  for (const Arguments& method : kMethods) {
+    const std::string name = method.back();
+    CAPTURE(name);
+    const Run run = dapple(textureArguments(scan, out, method + Arguments{"--ascii", "--quiet"}));
+    REQUIRE_MESSAGE(run.code == 0, run.err);
+    const PlyText ply = readPlyText(out);
+    CHECK(countOf(ply.header, "comment keep me") == 1);
+    CHECK(propertiesOf(ply, "camera") == std::vector<std::string>{"fov"});
+    CHECK(propertiesOf(ply, "marker") == std::vector<std::string>{"codes"});
+    CHECK(countOf(ply.header, "property list uchar int tags") == 1);
+    CHECK(countOf(ply.header, "property ushort intensity") == 1);
+    CHECK(countOf(ply.header, "property double y") == 1);
+    for (const char* colour : {"red", "green", "blue"})
+      CHECK(countOf(propertiesOf(ply, "vertex"), colour) == 1);
+    REQUIRE(ply.body.size() == kPoints + 3);
+    CHECK(ply.body.front() == "42.5");
+    CHECK(ply.body[kPoints + 1] == "2 5 -6");
+    CHECK(ply.body[kPoints + 2] == "0");
+    std::size_t wrong = 0, replaced = 0;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      const auto words = wordsOf(ply.body[i + 1]);
+      REQUIRE(words.size() == 10);
+      bool same = words[0] == std::to_string(i) && words[7] == "2" &&
+                  words[8] == std::to_string(3 * i) && words[9] == "-7";
+      for (std::size_t c = 0; c < 3; ++c) same = same && std::stod(words[c + 1]) == points[i][c];
+      wrong += !same;
+      replaced += words[4] != "1" || words[5] != "2" || words[6] != "3";
+    }
+    CHECK(wrong == 0);
+    CHECK(replaced > kPoints * 99 / 100);
+  }
+}
+
+TEST_CASE("the source map, the old colours and the picture are written when asked for") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.ply", strangePly(spherePoints(kPoints, 1)));
+  const std::string out = folder / "out.ply", picture = folder / "picture.png";
+  const Run run = dapple(textureArguments(scan, out,
+                                          {"--ascii", "--source-map", "--keep-colours", "--picture",
+                                           picture, "--size", "400x300", "--quiet"}));
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  const PlyText ply = readPlyText(out);
+  const auto names = propertiesOf(ply, "vertex");
+  for (const char* name : {"swatch", "texel_x", "texel_y", "frame_sx", "frame_tz", "patch", "state",
+                           "original_red", "original_green", "original_blue", "red"})
+    CHECK_MESSAGE(countOf(names, name) == 1, name);
+  const auto red = static_cast<std::size_t>(std::find(names.begin(), names.end(), "original_red") -
+                                            names.begin());
+  // The list of two is longer by two words, and comes after the old colours.
+  CHECK(wordsOf(ply.body[1])[red] == "1");
+  CHECK(wordsOf(ply.body[kPoints])[red + 2] == "3");
+  const Image image = readImage(picture);
+  CHECK(image.width == 400);
+  CHECK(image.height == 300);
+  const auto [low, high] = std::minmax_element(image.pixels.begin(), image.pixels.end());
+  CHECK(*high - *low > 0.3f);
+}
+
+TEST_CASE("PLY, OBJ and XYZ with the same points give the same colours") {
+  const TemporaryFolder folder;
+  const auto points = spherePoints(kPoints, 1);
+  const std::string inputs[] = {folder.write("a.ply", plyText(points)),
+                                folder.write("b.obj", objText(points)),
+                                folder.write("c.xyz", xyzText(points))};
+  std::vector<std::vector<std::array<int, 3>>> colours;
+  for (const std::string& scan : inputs) {
+    const Run run = dapple(textureArguments(scan, folder / "out.ply", {"--ascii", "--quiet"}));
+    REQUIRE_MESSAGE(run.code == 0, run.err);
+    colours.push_back(coloursOf(folder / "out.ply"));
+  }
+  CHECK(colours[0].size() == kPoints);
+  CHECK(colours[1] == colours[0]);
+  CHECK(colours[2] == colours[0]);
+}
+
+TEST_CASE("one, two and three threads write the same bytes") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.xyz", xyzText(spherePoints(kPoints, 1)));
+  for (const Arguments& method : kMethods) {
+    std::string first;
+    for (const char* threads : {"1", "2", "3"}) {
+      CAPTURE(method.back());
+      CAPTURE(threads);
+      const Run run = dapple(
+          textureArguments(scan, folder / "out.ply",
+                           method + Arguments{"--threads", threads, "--source-map", "--quiet"}));
+      REQUIRE_MESSAGE(run.code == 0, run.err);
+      const std::string bytes = bytesOf(folder / "out.ply");
+      if (first.empty()) first = bytes;
+      CHECK(bytes.size() > kPoints * 15);
+      CHECK((bytes == first));
+    }
+  }
+}
+
+TEST_CASE("millimetres or metres make no difference") {
+  const TemporaryFolder folder;
+  for (const Arguments& method : {kMethods[0], kMethods[1], kMethods[2]}) {
+    std::vector<std::vector<std::array<int, 3>>> colours;
+    for (const double factor : {1.0, 1000.0, 1024.0}) {
+      const std::string scan = folder.write("in.xyz", xyzText(spherePoints(kPoints, factor)));
+      const Run run = dapple(
+          textureArguments(scan, folder / "out.ply", method + Arguments{"--ascii", "--quiet"}));
+      REQUIRE_MESSAGE(run.code == 0, run.err);
+      colours.push_back(coloursOf(folder / "out.ply"));
+    }
+    CAPTURE(method.back());
+    CHECK((colours[2] == colours[0]));
+    // 1000 is no power of two: coordinates round differently, and a tie may fall the other way.
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < kPoints; ++i) different += colours[1][i] != colours[0][i];
+    CHECK(different <= kPoints / 100);
+  }
+}
+
+// One run for all three: measuring the score takes seconds, however small the scan.
+TEST_CASE("the report and the score are complete, and points set aside are written back in place") {
+  const TemporaryFolder folder;
+  auto points = spherePoints(kPoints, 1);
+  points[5] = points[700];
+  points[6] = points[700];
+  points[10] = {std::nan(""), 0, 0};
+  const std::string scan = folder.write("in.ply", plyText(points)), out = folder / "out.ply";
+  const Run run = dapple(textureArguments(
+      scan, out, {"--ascii", "--source-map", "--quiet", "--report", folder / "report.json"}));
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+
+  const PlyText ply = readPlyText(out);
+  REQUIRE(ply.body.size() == kPoints);
+  for (const std::size_t i : {4u, 5u, 6u, 7u, 700u})
+    for (std::size_t c = 0; c < 3; ++c) CHECK(std::stod(wordsOf(ply.body[i])[c]) == points[i][c]);
+  CHECK(std::isnan(std::stod(wordsOf(ply.body[10])[0])));
+  for (const std::size_t c : {3u, 4u, 5u}) {
+    CHECK(wordsOf(ply.body[5])[c] == wordsOf(ply.body[700])[c]);
+    CHECK(wordsOf(ply.body[6])[c] == wordsOf(ply.body[700])[c]);
+  }
+
+  const Json report = Json::parse(bytesOf(folder / "report.json"));
+  for (const char* key : {"version", "method", "options", "seed", "threads", "points", "neighbours",
+                          "spacing", "seconds", "points_per_second", "patches", "gap_share",
+                          "matched_share", "distortion", "peak_memory", "score"})
+    CHECK_MESSAGE(report.contains(key), key);
+  for (const char* key : {"load", "neighbours", "normals", "synthesis", "save"})
+    CHECK_MESSAGE(report["seconds"].contains(key), key);
+  for (const char* key : {"mean", "max"}) CHECK_MESSAGE(report["distortion"].contains(key), key);
+  CHECK(allNumbersFinite(report));
+  CHECK(report["points"] == kPoints - 3);
+  CHECK(report["duplicates"] == 2);
+  CHECK(report["non_finite"] == 1);
+  CHECK(report["method"] == "hybrid");
+
+  const Run scored = dapple({"score", out, "--swatch", swatch(), "--json", "--quiet"});
+  REQUIRE_MESSAGE(scored.code == 0, scored.err);
+  CHECK(scored.err.empty());
+  const Json score = Json::parse(scored.out);
+  for (const char* key : kScoreKeys) {
+    CHECK_MESSAGE(report["score"].contains(key), key);
+    CHECK_MESSAGE(score.contains(key), key);
+  }
+  CHECK(allNumbersFinite(score));
+  CHECK(score["F"].get<double>() ==
+        doctest::Approx(report["score"]["F"].get<double>()).epsilon(0.1));
+}
+
+// What a refusal must be: code 2, a message that names the culprit and more, nothing new in the
+// folder.
+void checkRefused(const TemporaryFolder& folder, const Arguments& arguments,
+                  const std::string& culprit, const std::string& remedy) {
+  const auto before = folder.names();
+  const Run run = dapple(arguments + Arguments{"--quiet"});
+  CAPTURE(run.err);
+  CHECK(run.code == 2);
+  CHECK(contains(run.err, culprit));
+  CHECK(contains(run.err, remedy));
+  CHECK(run.out.empty());
+  CHECK(folder.names() == before);
+}
+
+TEST_CASE("a scan that cannot be worked with is refused") {
+  const TemporaryFolder folder;
+  const std::string good = plyText(spherePoints(kPoints, 1));
+  std::string lies = good;
+  lies.replace(lies.find("vertex 3000"), 11, "vertex 90000000000");
+  std::string binaryLies =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000000\n"
+      "property float x\nproperty float y\nproperty float z\nend_header\n";
+  binaryLies += std::string(1200, 'x');
+  const std::vector<Position> nans(kPoints, {std::nan(""), std::nan(""), std::nan("")});
+  const std::vector<Position> equal(kPoints, {1, 2, 3});
+  folder.write("text.ply", "this is no scan\n");
+  folder.write("short.ply", good.substr(0, good.size() / 2));
+  folder.write("lies.ply", lies);
+  folder.write("binarylies.ply", binaryLies);
+  folder.write("nan.ply", plyText(nans));
+  folder.write("few.ply", plyText(spherePoints(7, 1)));
+  folder.write("equal.ply", plyText(equal));
+  folder.write("empty.ply", "");
+  const std::vector<std::array<std::string, 2>> bad{{"missing.ply", "Check the name"},
+                                                    {".", "Name a file in it"},
+                                                    {"text.ply", ". "},
+                                                    {"short.ply", ". "},
+                                                    {"lies.ply", ". "},
+                                                    {"binarylies.ply", ". "},
+                                                    {"nan.ply", "Export the scan"},
+                                                    {"few.ply", ""},
+                                                    {"equal.ply", ""},
+                                                    {"empty.ply", "Export or copy"}};
+  for (const auto& [name, remedy] : bad) {
+    CAPTURE(name);
+    checkRefused(folder, textureArguments(folder / name, folder / "out.ply"),
+                 name == "few.ply" || name == "equal.ply" ? "" : folder / name, remedy);
+  }
+  checkRefused(folder, {"info", folder / "missing.ply"}, "missing.ply", "Check the name");
+  checkRefused(folder, {"render", folder / "text.ply", "-o", folder / "out.png"}, "text.ply", ". ");
+}
+
+TEST_CASE("a swatch that cannot be worked with is refused") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.ply", plyText(spherePoints(kPoints, 1)));
+  writeImage(folder / "one.png", Image{1, 1, 3, {0.5f, 0.5f, 0.5f}});
+  folder.write("text.png", "this is no image\n");
+  folder.write("short.png", bytesOf(swatch()).substr(0, 5000));
+  const std::vector<std::array<std::string, 2>> bad{{"one.png", "larger image"},
+                                                    {"text.png", ". "},
+                                                    {"short.png", ". "},
+                                                    {"missing.png", "Check the name"}};
+  for (const auto& [name, remedy] : bad) {
+    CAPTURE(name);
+    checkRefused(folder, {"texture", scan, "--swatch", folder / name, "-o", folder / "out.ply"},
+                 folder / name, remedy);
+  }
+}
+
+TEST_CASE("an output that cannot be written is refused, and leaves nothing") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.ply", plyText(spherePoints(kPoints, 1)));
+  const std::string out = folder / "out.ply", nowhere = folder / "nowhere/file";
+  checkRefused(folder, textureArguments(scan, nowhere), nowhere, "Create it");
+  checkRefused(folder, textureArguments(scan, out, {"--picture", nowhere + ".png"}), nowhere,
+               "Create it");
+  checkRefused(folder, textureArguments(scan, out, {"--report", nowhere}), nowhere, "Create it");
+  checkRefused(folder, {"render", scan, "-o", nowhere + ".png"}, nowhere, "Create it");
+  checkRefused(folder, textureArguments(scan, folder / "."), folder / ".", "Add a file name");
+  if (!fs::exists("/dev/full")) {
+    MESSAGE("skipped: no /dev/full");
+    return;
+  }
+  fs::create_symlink("/dev/full", folder / "full.ply");
+  checkRefused(folder,
+               textureArguments(scan, folder / "full.ply", {"--picture", folder / "picture.png"}),
+               "the disk is full", "Free some space");
+}
+
+TEST_CASE("options that make no sense are refused") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.ply", plyText(spherePoints(kPoints, 1)));
+  const std::string out = folder / "out.ply";
+  const std::vector<std::array<std::string, 3>> bad{
+      {"--neighbours", "3", "8 to 128"},   {"--neighbours", "many", "8 to 128"},
+      {"--method", "magic", "hybrid|"},    {"--threads", "-1", "0 to 256"},
+      {"--up", "0,0,0", "not all 0"},      {"--scale", "nan", "0.01 to 100"},
+      {"--view", "inside", "front"},       {"--size", "0x7", "WIDTHxHEIGHT"},
+      {"--progress", "dots", "bar|lines"}, {"--tileable", "perhaps", "auto|yes|no"},
+      {"--show", "feelings", "colour"},    {"--sparkle", "9", "--help"}};
+  for (const auto& [option, value, remedy] : bad) {
+    CAPTURE(option);
+    Arguments arguments = textureArguments(scan, out, {option, value});
+    if (option == "--progress") {  // --quiet overrides it
+      const Run run = dapple(arguments);
+      CHECK(run.code == 2);
+      CHECK(contains(run.err, remedy));
+      continue;
+    }
+    checkRefused(folder, arguments, option == "--sparkle" ? option : value, remedy);
+  }
+  checkRefused(folder, {"render", scan, "-o", folder / "p.png", "--view", "inside"}, "inside",
+               "front");
+  checkRefused(folder, {"texture", scan, "-o", out}, "--swatch", "--help");
+  CHECK(dapple({"paint"}).code == 2);
+  CHECK(dapple({}).code == 2);
+  CHECK(dapple({"texture", "--help"}).code == 0);
+}
+
+TEST_CASE("Ctrl-C stops a long job and leaves no file") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.xyz", xyzText(spherePoints(300000, 1)));
+  const auto before = folder.names();
+  Program program(textureArguments(scan, folder / "out.ply",
+                                   {"--method", "match", "--no-coherent", "--quiet"}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto sent = std::chrono::steady_clock::now();
+  program.signal(SIGINT);
+  const Run run = program.wait();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - sent;
+  MESSAGE("from the signal to the end: ", taken.count(), " s");
+  CHECK(run.code == 130);
+  CHECK(contains(run.err, "nothing was written"));
+  CHECK(taken.count() < 5);
+  CHECK(folder.names() == before);
+}
+
+TEST_CASE("progress is JSON on request, and nothing with --quiet") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.xyz", xyzText(spherePoints(kPoints, 1)));
+  const Run quiet = dapple(textureArguments(scan, folder / "out.ply", {"--quiet"}));
+  CHECK(quiet.code == 0);
+  CHECK(quiet.out.empty());
+  CHECK(quiet.err.empty());
+
+  const Run run = dapple(textureArguments(scan, folder / "out.ply", {"--progress", "json"}));
+  REQUIRE(run.code == 0);
+  std::vector<std::string> stages;
+  for (const std::string& line : linesOf(run.err)) {
+    const Json progress = Json::parse(line);
+    for (const char* key : {"fraction", "points_per_second", "seconds_left"})
+      REQUIRE_MESSAGE(progress.at(key).is_number(), line);
+    CHECK(progress["fraction"] >= 0);
+    CHECK(progress["fraction"] <= 1);
+    stages.push_back(progress.at("stage"));
+  }
+  for (const char* stage : {"load", "neighbours", "normals", "synthesis", "save"})
+    CHECK_MESSAGE(countOf(stages, stage) > 0, stage);
+}
+
+TEST_CASE("info describes a scan as JSON") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.ply", strangePly(spherePoints(kPoints, 2)));
+  const Run run = dapple({"info", scan, "--json", "--quiet"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  const Json info = Json::parse(run.out);
+  for (const char* key : {"unit_guess", "normals", "components", "bounds"})
+    CHECK_MESSAGE(info.contains(key), key);
+  CHECK(info["points"] == kPoints);
+  CHECK(info["colour"] == true);
+  CHECK(info["normals"] == false);
+  CHECK(info["components"] == 1);
+  CHECK(info["duplicates"] == 0);
+  CHECK(info["non_finite"] == 0);
+  CHECK(info["bounds"]["high"]["y"].get<double>() == doctest::Approx(2).epsilon(0.01));
+  // One point has about 4 pi r^2 / n of the surface.
+  const double side = std::sqrt(4 * 3.14159 * 4 / kPoints);
+  CHECK(info["spacing"].get<double>() == doctest::Approx(side).epsilon(0.2));
+}
+
+// DAPPLE_UPDATE_GOLDEN=1 rewrites the pictures: look at them before committing.
+TEST_CASE("the demo scan looks as it did") {
+  const TemporaryFolder folder;
+  for (const std::string method : {"patches", "match", "hybrid"}) {
+    CAPTURE(method);
+    const std::string picture = folder / (method + ".png");
+    const Run run =
+        dapple({"texture", asset("scans/creature.ply"), "--swatch", asset("swatches/pebbles.png"),
+                "--method", method, "-o", folder / "out.ply", "--picture", picture, "--size",
+                "300x300", "--quiet"});
+    REQUIRE_MESSAGE(run.code == 0, run.err);
+    const std::string golden = DAPPLE_GOLDEN "/" + method + ".png";
+    if (std::getenv("DAPPLE_UPDATE_GOLDEN")) {
+      fs::create_directories(DAPPLE_GOLDEN);
+      fs::copy_file(picture, golden, fs::copy_options::overwrite_existing);
+      MESSAGE("rewrote ", golden);
+      continue;
+    }
+    REQUIRE_MESSAGE(fs::exists(golden), golden, ": run once with DAPPLE_UPDATE_GOLDEN=1");
+    const double error = structuralSimilarityError(readImage(picture), readImage(golden));
+    const std::string actual = DAPPLE_GOLDEN_ACTUAL "/" + method + ".png";
+    if (error > 0.04) {
+      fs::create_directories(DAPPLE_GOLDEN_ACTUAL);
+      fs::copy_file(picture, actual, fs::copy_options::overwrite_existing);
+    }
+    CHECK_MESSAGE(error <= 0.04, "if the new picture is right: cp ", actual, " ", golden);
+  }
+}
+
+}  // namespace
+}  // namespace dapple
