@@ -52,12 +52,18 @@ void Monitor::begin(Stage stage, std::size_t points) {
 
 void Monitor::advance(std::size_t points) {
   checkpoint();
-  done_.fetch_add(points, std::memory_order_relaxed);
+  const std::size_t before = done_.fetch_add(points, std::memory_order_relaxed);
   if (!callbacks_.progress) return;
+  // The end of a stage is always told, else at most every interval.
+  const bool ends = before < total_ && before + points >= total_;
   const std::int64_t now = Clock::now().time_since_epoch().count();
-  if (now < nextReport_.load(std::memory_order_relaxed)) return;
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (lock) report();
+  if (!ends && now < nextReport_.load(std::memory_order_relaxed)) return;
+  std::unique_lock lock(mutex_, std::defer_lock);
+  if (ends)
+    lock.lock();
+  else if (!lock.try_lock())
+    return;
+  report();
 }
 
 void Monitor::report() {
