@@ -95,7 +95,9 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
                textured.statistics.gapShare * 100);
   if (score) fmt::print("; score F {:.2f}", score->F);
   fmt::print("\n");
-  if (prepared.normalsMade) fmt::print("no normals in the scan: estimated\n");
+  if (prepared.normalsMade)
+    fmt::print("no normals in the scan: {}\n",
+               scan.mesh.triangles.empty() ? "estimated" : "made from its triangles");
   if (scan.duplicates > 0 || scan.nonFinite > 0)
     fmt::print("set aside: {} duplicate and {} non-finite points\n", scan.duplicates,
                scan.nonFinite);
