@@ -89,6 +89,7 @@ TEST_CASE("a perfect plane scores high, a stretched one nearly so, and a mirrore
       CHECK(perfect.free[s].step == doctest::Approx(std::exp2(s)).epsilon(0.1));
       CHECK(perfect.free[s].windows > 200);
       CHECK(perfect.free[s].defects <= 0.05);
+      CHECK(perfect.free[s].residual < 1.3 * perfect.free[s].residualFloor);
     }
   }
 }

@@ -22,7 +22,7 @@ enum class SearchPath { Best, Portable };
 
 class ScorePatches {
  public:
-  // Up to 6000 places x 16 turns (over the full circle, or evenly within the limit). `image` is
+  // Up to 12000 places x 16 turns (over the full circle, or evenly within the limit). `image` is
   // kept by reference. Throws Cancelled.
   ScorePatches(const ScoreImage& image, TurnLimit limit, std::uint64_t seed, Monitor& monitor);
 

@@ -226,6 +226,7 @@ ScaleScore summarise(const Judge& judge, std::uint64_t seed) {
   const double count = static_cast<double>(residuals.size());
   score.residual = sum / count;
   score.residual95 = percentile95(residuals);
+  for (double r : perfect) score.residualFloor += r / static_cast<double>(perfect.size());
   score.threshold = std::max(kLeastThreshold, kThresholdFactor * percentile95(perfect));
   for (double r : residuals) score.defects += r > score.threshold;
   score.defects /= count;

@@ -32,14 +32,15 @@ struct ScoreOptions {
 
 // Figures at one scale h = max(1, spacing/unit) * {1, 2, 4} pixels.
 struct ScaleScore {
-  double step = 0;          // h, pixels
-  std::size_t windows = 0;  // evaluated: those for which the surface is large enough
-  double residual = 0;      // c: mean RMS distance to the best swatch patch / sigma_h
-  double residual95 = 0;    // its 95th percentile
-  double defects = 0;       // share of evaluated points with c > tau_h
-  double threshold = 0;     // tau_h
-  double sliced = 0;        // sw: sliced Wasserstein distance of patches / deviation
-  double slicedNoise = 0;   // sw between two perfect mappings: what chance alone makes of it
+  double step = 0;           // h, pixels
+  std::size_t windows = 0;   // evaluated: those for which the surface is large enough
+  double residual = 0;       // c: mean RMS distance to the best swatch patch / sigma_h
+  double residual95 = 0;     // its 95th percentile
+  double residualFloor = 0;  // c of a perfect mapping of the same points
+  double defects = 0;        // share of evaluated points with c > tau_h
+  double threshold = 0;      // tau_h
+  double sliced = 0;         // sw: sliced Wasserstein distance of patches / deviation
+  double slicedNoise = 0;    // sw between two perfect mappings: what chance alone makes of it
 };
 
 struct TextureScore {
