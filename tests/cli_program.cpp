@@ -76,10 +76,14 @@ void Program::signal(int number) const {
   ::kill(process_, number);
 }
 
+std::string Program::errors() const {
+  return bytesOf(logs_ / "err");
+}
+
 Run Program::wait() {
   int status = 0;
   ::waitpid(process_, &status, 0);
-  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 256 + WTERMSIG(status);
   return {.code = code, .out = bytesOf(logs_ / "out"), .err = bytesOf(logs_ / "err")};
 }
 

@@ -30,7 +30,7 @@ class TemporaryFolder {
 using Arguments = std::vector<std::string>;
 
 struct Run {
-  int code = -1;  // 128 + signal when a signal ended the program
+  int code = -1;  // 256 + signal when a signal ended the program: no exit code can be that
   std::string out, err;
 };
 
@@ -39,6 +39,7 @@ class Program {
  public:
   explicit Program(const Arguments& arguments);
   void signal(int number) const;
+  std::string errors() const;  // so far
   Run wait();
 
  private:
