@@ -307,13 +307,13 @@ TEST_CASE("a scan that cannot be worked with is refused") {
                                                     {"lies.ply", ". "},
                                                     {"binarylies.ply", ". "},
                                                     {"nan.ply", "Export the scan"},
-                                                    {"few.ply", ""},
-                                                    {"equal.ply", ""},
+                                                    {"few.ply", "fewer neighbours"},
+                                                    {"equal.ply", "scan of more points"},
                                                     {"empty.ply", "Export or copy"}};
   for (const auto& [name, remedy] : bad) {
     CAPTURE(name);
-    checkRefused(folder, textureArguments(folder / name, folder / "out.ply"),
-                 name == "few.ply" || name == "equal.ply" ? "" : folder / name, remedy);
+    checkRefused(folder, textureArguments(folder / name, folder / "out.ply"), folder / name,
+                 remedy);
   }
   checkRefused(folder, {"info", folder / "missing.ply"}, "missing.ply", "Check the name");
   checkRefused(folder, {"render", folder / "text.ply", "-o", folder / "out.png"}, "text.ply", ". ");

@@ -52,6 +52,16 @@ void makeNormals(Scan& scan, const Neighborhoods& neighborhoods, Monitor& monito
   orientNormals(points.positions, neighborhoods, points.normals, monitor);
 }
 
+// Only here the file is known, and why its points are fewer than its records.
+void checkEnough(const Scan& scan, int neighbours) {
+  const std::size_t points = scan.points.size(), least = static_cast<std::size_t>(neighbours) + 1;
+  if (points >= least) return;
+  throw InvalidInput(fmt::format(
+      "{}: {} of its {} points are finite and distinct, but {} neighbours need at least {}. Give a "
+      "scan of more points, or fewer neighbours.",
+      scan.path, points, scan.pointOf.size(), neighbours, least));
+}
+
 }  // namespace
 
 PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
@@ -60,6 +70,7 @@ PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& o
   PreparedScan out;
   out.scan = loadScan(path, options, monitor);
   out.seconds.load = watch.lap();
+  checkEnough(out.scan, neighbours);
   out.neighborhoods =
       buildNeighborhoods(out.scan.points.positions, static_cast<std::size_t>(neighbours), monitor);
   out.spacing = static_cast<float>(meanSpacing(out.neighborhoods));
