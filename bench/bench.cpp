@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <nanoflann.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +17,8 @@
 #include "document/texture_job.h"
 #include "io/image_io.h"
 #include "points/normals.h"
+#include "tests/fixtures.h"
+#include "tests/kd_tree.h"
 
 namespace {
 
@@ -40,36 +41,9 @@ double medianSeconds(int runs, const std::function<void()>& work) {
   return seconds[seconds.size() / 2];
 }
 
-std::vector<vec3> spiralSphere(std::size_t count) {
-  std::vector<vec3> points(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double z = 1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(count);
-    const double r = std::sqrt(1 - z * z), angle = 2.399963229728653 * static_cast<double>(i);
-    points[i] = vec3(dvec3(r * std::cos(angle), r * std::sin(angle), z));
-  }
-  const std::vector<Index> order = mortonOrder(points);
-  std::vector<vec3> sorted;
-  for (const Index i : order) sorted.push_back(points[i]);
-  return sorted;
-}
-
-struct Cloud {
-  const std::vector<vec3>& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i][static_cast<int>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using KdTree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
-
 double nanoflannSeconds(const std::vector<vec3>& points, std::size_t k, int runs) {
   return medianSeconds(runs, [&] {
-    const Cloud cloud{points};
+    const KdCloud cloud{points};
     KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(32));
     tree.buildIndex();
     std::vector<std::uint32_t> ids(k + 1);
@@ -253,11 +227,10 @@ int main(int argc, char** argv) {
     PreparedScan prepared = prepareScan(path, {}, 25, monitor);
     bunny.points.normals = prepared.scan.points.normals;
     Scan sphere;
-    sphere.points.positions = spiralSphere(16386);
-    sphere.points.normals = sphere.points.positions;
+    sphere.points = fixtures::makeSphere(16386, 1);
     fmt::print("median of {} runs; {} processors\n", runs, std::thread::hardware_concurrency());
     printNeighbours(path.c_str(), bunny.points.positions, runs);
-    printNeighbours("sphere of 500,000", spiralSphere(500000), runs);
+    printNeighbours("sphere of 500,000", fixtures::makeSphere(500000, 1).positions, runs);
     printTable(path.c_str(), bunny, image, runs);
     printTable("sphere", sphere, image, runs);
   } catch (const std::exception& error) {

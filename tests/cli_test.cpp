@@ -265,6 +265,9 @@ TEST_CASE("the report and the score are complete, and points set aside are writt
   CHECK(allNumbersFinite(score));
   CHECK(score["F"].get<double>() ==
         doctest::Approx(report["score"]["F"].get<double>()).epsilon(0.1));
+  // One definition: against the directions asked for, not against the patches' own frames.
+  CHECK(score["F_oriented"].get<double>() ==
+        doctest::Approx(report["score"]["F_oriented"].get<double>()).epsilon(0.1));
 }
 
 // What a refusal must be: code 2, a message that names the culprit and more, nothing new in the

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/hash_rng.h"
+#include "points/tangent_frames.h"
 
 namespace dapple::fixtures {
 namespace {
@@ -28,25 +29,8 @@ float around(float a, float b, int size) {
 
 // Points in Morton order, as a PointSet promises.
 PointSet inMortonOrder(const PointSet& points) {
-  const auto spread = [](std::uint64_t v) {
-    std::uint64_t out = 0;
-    for (int bit = 0; bit < 20; ++bit) out |= (v >> bit & 1) << (3 * bit);
-    return out;
-  };
-  vec3 low(1e30f), high(-1e30f);
-  for (const vec3& p : points.positions) low = glm::min(low, p), high = glm::max(high, p);
-  const float extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  std::vector<std::pair<std::uint64_t, Index>> keys;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const vec3 cell = (points.positions[i] - low) / extent * 1048575.0f;
-    keys.emplace_back(spread(static_cast<std::uint64_t>(cell.x)) |
-                          spread(static_cast<std::uint64_t>(cell.y)) << 1 |
-                          spread(static_cast<std::uint64_t>(cell.z)) << 2,
-                      static_cast<Index>(i));
-  }
-  std::sort(keys.begin(), keys.end());
   PointSet sorted;
-  for (const auto& [key, i] : keys) {
+  for (const Index i : mortonOrder(points.positions)) {
     sorted.positions.push_back(points.positions[i]);
     sorted.normals.push_back(points.normals[i]);
   }
@@ -90,15 +74,7 @@ Neighborhoods neighbourhoods(const PointSet& points, std::size_t k) {
 }
 
 std::vector<TangentFrame> uprightFrames(const PointSet& points, vec3 up) {
-  std::vector<TangentFrame> frames;
-  for (const vec3& n : points.normals) {
-    vec3 t = up - glm::dot(up, n) * n;
-    if (glm::length(t) < 1e-3f) t = vec3(0, 0, 1) - n.z * n;
-    if (glm::length(t) < 1e-3f) t = vec3(1, 0, 0) - n.x * n;
-    t = glm::normalize(t);
-    frames.push_back({glm::cross(t, n), t, n});
-  }
-  return frames;
+  return framesTowards(points, up);
 }
 
 Image noise(int size) {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <string>
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
+#include "kd_tree.h"
 
 using namespace dapple;
 
@@ -28,26 +28,12 @@ std::vector<vec3> unevenSphere(std::size_t n) {
   return points;
 }
 
-struct Cloud {
-  const std::vector<vec3>& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i][static_cast<int>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
-
 }  // namespace
 
 TEST_CASE("k nearest neighbours equal a kd-tree's on uneven points, at any k and thread count") {
   const std::vector<vec3> points = unevenSphere(5000);
-  const Cloud cloud{points};
-  Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const KdCloud cloud{points};
+  KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   tree.buildIndex();
   for (const std::size_t k : {1u, 8u, 25u, 49u}) {
     Workers workers(k % 3 + 1);

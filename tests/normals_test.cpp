@@ -5,26 +5,12 @@
 #include <cmath>
 
 #include "base/hash_rng.h"
+#include "fixtures.h"
 
 using namespace dapple;
 
-namespace {
-
-// n points spread evenly over the unit sphere (a golden spiral).
-std::vector<vec3> sphere(std::size_t n) {
-  std::vector<vec3> points(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double z = 1 - (2.0 * static_cast<double>(i) + 1) / static_cast<double>(n);
-    const double r = std::sqrt(1 - z * z), angle = 2.399963229728653 * static_cast<double>(i);
-    points[i] = vec3(dvec3(r * std::cos(angle), r * std::sin(angle), z));
-  }
-  return points;
-}
-
-}  // namespace
-
 TEST_CASE("normals of a sphere point outward, whichever way the fit leaves them") {
-  const std::vector<vec3> points = sphere(4000);
+  const std::vector<vec3> points = fixtures::makeSphere(4000, 1).positions;
   Workers workers(2);
   Monitor monitor(workers);
   const Neighborhoods near = buildNeighborhoods(points, 16, monitor);
@@ -36,8 +22,9 @@ TEST_CASE("normals of a sphere point outward, whichever way the fit leaves them"
 }
 
 TEST_CASE("two separate spheres are both turned outward") {
-  std::vector<vec3> points = sphere(1000);
-  for (const vec3& p : sphere(1000)) points.push_back(p + vec3(10, 0, 0));
+  std::vector<vec3> points = fixtures::makeSphere(1000, 1).positions;
+  const PointSet other = fixtures::makeSphere(1000, 1);
+  for (const vec3& p : other.positions) points.push_back(p + vec3(10, 0, 0));
   Workers workers(1);
   Monitor monitor(workers);
   const Neighborhoods near = buildNeighborhoods(points, 16, monitor);

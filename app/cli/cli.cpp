@@ -50,7 +50,7 @@ void runCommand(const Subcommand& command) {
   std::stop_source stop;
   const InterruptWatch watch(stop);
   ProgressPrinter printer(progressStyle(*command.common));
-  Workers workers(static_cast<unsigned>(command.common->threads));
+  Workers workers(static_cast<unsigned>(command.common->table.threads));
   Monitor monitor(workers, stop.get_token(),
                   {.progress = [&](const Progress& progress) { printer.show(progress); }});
   command.run(monitor);
@@ -58,11 +58,28 @@ void runCommand(const Subcommand& command) {
 
 }  // namespace
 
-void addCommonOptions(CLI::App& app, CommonOptions& common, bool withThreads) {
-  if (withThreads)
-    app.add_option("--threads", common.threads, "threads to work with, 0 for one a processor")
-        ->check(CLI::Range(0, 256))
-        ->capture_default_str();
+void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options) {
+  const OptionRow* row = findOption(name);
+  DAPPLE_CHECK(row != nullptr, ==, true);
+  const std::string option = "--" + std::string(name);
+  const std::string standard = optionText(TextureOptions{}, *row);
+  auto set = [&options, row](const std::string& value) {
+    setOption(options, *row, value);
+    return true;
+  };
+  if (row->choices == "yes|no") {
+    app.add_flag_function(
+        fmt::format("{},!--no-{}", option, name),
+        [set](std::int64_t count) { set(count > 0 ? "yes" : "no"); },
+        fmt::format("{} [{}]", row->help, standard == "yes" ? "on" : "off"));
+    return;
+  }
+  app.add_option_function<std::string>(option, set, fmt::format("{} [{}]", row->help, standard))
+      ->type_name(optionRange(*row));
+}
+
+void addCommonOptions(CLI::App& app, CommonOptions& common) {
+  addTableOption(app, "threads", common.table);
   app.add_flag("--quiet", common.quiet, "no progress and no summary");
   app.add_option("--progress", common.progress, "auto|bar|lines|json, on standard error")
       ->capture_default_str();

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/monitor.h"
+#include "document/options_table.h"
 
 namespace dapple {
 
@@ -12,7 +13,7 @@ enum class ProgressStyle { Auto, Bar, Lines, Json, Quiet };
 
 // What every subcommand that works on a scan can be told.
 struct CommonOptions {
-  int threads = 0;
+  TextureOptions table;  // threads; a command adds the rows that it needs
   bool quiet = false;
   std::string progress = "auto";
 };
@@ -29,8 +30,11 @@ Subcommand addInfoCommand(CLI::App& app, CommonOptions& common);
 Subcommand addRenderCommand(CLI::App& app, CommonOptions& common);
 Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
 
-// --threads (unless the options table has it), --quiet and --progress.
-void addCommonOptions(CLI::App& app, CommonOptions& common, bool withThreads);
+// An option, or a flag, of the options table: help, default, range and behaviour cannot differ.
+void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options);
+
+// --threads, --quiet and --progress.
+void addCommonOptions(CLI::App& app, CommonOptions& common);
 
 // Exit code: 0 done; 1 a bug in Dapple; 2 bad input or a file that cannot be read or written;
 // 130 stopped by Ctrl-C.

@@ -70,7 +70,7 @@ Subcommand addInfoCommand(CLI::App& app, CommonOptions& common) {
   auto a = std::make_shared<InfoArguments>();
   sub->add_option("scan", a->scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
   sub->add_flag("--json", a->json, "print JSON");
-  addCommonOptions(*sub, common, true);
+  addCommonOptions(*sub, common);
   return {sub, &common, [a](Monitor& monitor) { runInfo(*a, monitor); }};
 }
 

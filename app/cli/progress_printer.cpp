@@ -14,6 +14,7 @@ namespace dapple {
 namespace {
 
 constexpr int kBarWidth = 28;
+constexpr double kLeastRate = 1000;  // points/s; below, what is counted are not the scan's points
 
 std::string rate(double pointsPerSecond) {
   if (pointsPerSecond >= 1e6) return fmt::format("{:.2f} M points/s", pointsPerSecond / 1e6);
@@ -54,7 +55,7 @@ void ProgressPrinter::showBar(const Progress& progress) {
   const int filled = static_cast<int>(progress.fraction * kBarWidth);
   std::string line = fmt::format("\r{:<11}[{:#<{}}{:.<{}}] {:3.0f} %", stageName(progress.stage),
                                  "", filled, "", kBarWidth - filled, progress.fraction * 100);
-  if (progress.pointsPerSecond > 0)
+  if (progress.pointsPerSecond >= kLeastRate)
     line +=
         fmt::format("  {}, {:.1f} s left", rate(progress.pointsPerSecond), progress.secondsLeft);
   line += "\033[K";
@@ -71,8 +72,9 @@ void ProgressPrinter::showLine(const Progress& progress) {
   stage_ = progress.stage;
   tenths_ = begins ? 0 : tenths;
   std::string line = stageName(stage_);
-  if (tenths_ > 0)
-    line += fmt::format(" {:.0f} %, {}", progress.fraction * 100, rate(progress.pointsPerSecond));
+  if (tenths_ > 0) line += fmt::format(" {:.0f} %", progress.fraction * 100);
+  if (tenths_ > 0 && progress.pointsPerSecond >= kLeastRate)
+    line += ", " + rate(progress.pointsPerSecond);
   line += '\n';
   std::fputs(line.c_str(), stderr);
 }

@@ -78,7 +78,7 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
       ->capture_default_str();
   sub->add_flag("--shading", a->picture.shading, "light the picture");
   sub->add_flag("--z-up", a->picture.zUp, "the scan's z axis points up");
-  addCommonOptions(*sub, common, true);
+  addCommonOptions(*sub, common);
   return {sub, &common, [a](Monitor& monitor) { runRender(*a, monitor); }};
 }
 

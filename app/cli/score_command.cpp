@@ -14,18 +14,10 @@ namespace {
 constexpr int kNeighbours = 25;
 
 struct ScoreArguments {
-  std::string scan, swatch, tileable = "auto";
+  std::string scan, swatch;
   double unit = 0;
-  std::string up = "0,1,0";
   bool json = false;
 };
-
-Tileable tileableNamed(const std::string& name) {
-  if (name == "auto") return Tileable::Auto;
-  if (name == "yes") return Tileable::Yes;
-  if (name == "no") return Tileable::No;
-  throw InvalidInput(fmt::format("--tileable: '{}' is not allowed; give auto|yes|no", name));
-}
 
 // The unit from the option, else from the file's comment.
 float unitOf(const ScoreArguments& a, const Scan& scan) {
@@ -43,20 +35,23 @@ void printScore(const TextureScore& score) {
     if (!value.is_null()) fmt::print("{:<13}{:.4f}\n", key, value.get<double>());
 }
 
-void runScore(const ScoreArguments& a, Monitor& monitor) {
-  const Swatch swatch = makeSwatch(readImage(a.swatch), tileableNamed(a.tileable), 1, a.swatch);
+void runScore(const ScoreArguments& a, const TextureOptions& options, Monitor& monitor) {
+  const Swatch swatch = makeSwatch(readImage(a.swatch), options.tileable, 1, a.swatch);
   const PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
   const PointSet& points = prepared.scan.points;
   if (points.colours.empty())
     throw InvalidInput(
         fmt::format("{}: the points have no colours to score; texture the scan first", a.scan));
   const std::optional<SourceMap> map = readSourceMap(prepared.scan);
+  // Against the directions that were asked for, as `texture` does; the patches' own frames would
+  // only tell that a patch agrees with itself.
+  const std::vector<TangentFrame> frames = framesTowards(points, options.up);
   const TextureScore score = scorePoints(prepared,
                                          {.colours = points.colours,
                                           .swatch = swatch,
                                           .unit = unitOf(a, prepared.scan),
                                           .map = map ? &*map : nullptr,
-                                          .frames = map ? &map->frame : nullptr},
+                                          .frames = &frames},
                                          monitor);
   if (a.json)
     fmt::print("{}\n", scoreJson(score).dump(2));
@@ -75,11 +70,10 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common) {
   sub->add_option("--unit", a->unit,
                   "size of a swatch pixel in the scan's units [from the file's comment]")
       ->check(CLI::PositiveNumber);
-  sub->add_option("--tileable", a->tileable, "auto|yes|no: whether the swatch repeats seamlessly")
-      ->capture_default_str();
+  for (const char* name : {"tileable", "up"}) addTableOption(*sub, name, common.table);
   sub->add_flag("--json", a->json, "print JSON");
-  addCommonOptions(*sub, common, true);
-  return {sub, &common, [a](Monitor& monitor) { runScore(*a, monitor); }};
+  addCommonOptions(*sub, common);
+  return {sub, &common, [a, &common](Monitor& monitor) { runScore(*a, common.table, monitor); }};
 }
 
 }  // namespace dapple

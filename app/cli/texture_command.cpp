@@ -18,32 +18,10 @@ namespace {
 struct TextureArguments {
   std::string scan, swatch, output, report, picture, view = "front", size = "1280x720",
                                                      show = "colour";
-  TextureOptions options;
   LoadOptions load;
   ExportOptions exported;
   bool ascii = false, zUp = false, shading = false, score = false;
 };
-
-// One flag or option for each row of the table, so that help, ranges and behaviour cannot differ.
-void addTableOptions(CLI::App& app, TextureArguments& arguments) {
-  for (const OptionRow& row : optionsTable()) {
-    const std::string name = "--" + std::string(row.name);
-    const std::string standard = optionText(TextureOptions{}, row);
-    auto set = [&arguments, &row](const std::string& value) {
-      setOption(arguments.options, row, value);
-      return true;
-    };
-    if (row.choices == "yes|no") {
-      const std::string flag = name + ",!--no-" + std::string(row.name);
-      app.add_flag_function(
-          flag, [set](std::int64_t count) { set(count > 0 ? "yes" : "no"); },
-          fmt::format("{} [{}]", row.help, standard == "yes" ? "on" : "off"));
-      continue;
-    }
-    app.add_option_function<std::string>(name, set, fmt::format("{} [{}]", row.help, standard))
-        ->type_name(optionRange(row));
-  }
-}
 
 void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("scan", a.scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
@@ -105,18 +83,19 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
-void runTexture(TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
-  if (a.zUp && a.options.up == TextureOptions{}.up) a.options.up = vec3(0, 0, 1);
-  validate(a.options);
+void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
+  TextureOptions options = common.table;
+  if (a.zUp && options.up == TextureOptions{}.up) options.up = vec3(0, 0, 1);
+  validate(options);
   PictureOptions checked{.view = a.view};
   parseSize(a.size, checked);
   viewNamed(a.show);
   checkView(checked);
   for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
   const Swatch swatch =
-      makeSwatch(readImage(a.swatch), a.options.tileable, stackLevels(a.options), a.swatch);
-  const PreparedScan prepared = prepareScan(a.scan, a.load, a.options.neighbours, monitor);
-  const TexturedPoints textured = texturePoints(prepared, swatch, a.options, monitor);
+      makeSwatch(readImage(a.swatch), options.tileable, stackLevels(options), a.swatch);
+  const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, monitor);
+  const TexturedPoints textured = texturePoints(prepared, swatch, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
     score = scorePoints(prepared,
@@ -124,7 +103,8 @@ void runTexture(TextureArguments& a, const CommonOptions& common, Monitor& monit
                          .swatch = swatch,
                          .unit = textured.map.scale,
                          .map = &textured.map,
-                         .frames = &textured.frames},
+                         // Against random directions there is nothing to measure.
+                         .frames = options.randomDirections ? nullptr : &textured.frames},
                         monitor);
   const auto saving = std::chrono::steady_clock::now();
   savePly(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
@@ -136,7 +116,7 @@ void runTexture(TextureArguments& a, const CommonOptions& common, Monitor& monit
   if (!a.report.empty())
     writeTextFile(a.report, reportJson({.prepared = prepared,
                                         .textured = textured,
-                                        .options = a.options,
+                                        .options = options,
                                         .threads = monitor.workers().threads(),
                                         .saveSeconds = saved.count(),
                                         .score = score})
@@ -151,10 +131,9 @@ Subcommand addTextureCommand(CLI::App& app, CommonOptions& common) {
   CLI::App* sub = app.add_subcommand("texture", "Colour every point of a scan from a swatch.");
   auto arguments = std::make_shared<TextureArguments>();
   addFileOptions(*sub, *arguments);
-  addTableOptions(*sub, *arguments);
-  addCommonOptions(*sub, common, false);
-  sub->parse_complete_callback(
-      [arguments, &common] { common.threads = arguments->options.threads; });
+  for (const OptionRow& row : optionsTable())
+    if (row.name != "threads") addTableOption(*sub, row.name, common.table);
+  addCommonOptions(*sub, common);
   return {sub, &common,
           [arguments, &common](Monitor& monitor) { runTexture(*arguments, common, monitor); }};
 }

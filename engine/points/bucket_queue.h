@@ -9,9 +9,43 @@
 
 namespace dapple {
 
-// Keys start at 0 and only grow, by one at a time. A point enters the queue with its first raise().
-// Every raise() appends the point to the bucket of its new key; what stands in lower buckets is
-// stale and skipped when met.
+// Points in buckets by key. A point is pushed anew whenever its key grows; whoever pops skips the
+// stale entries, whose key is not the point's current one.
+class KeyBuckets {
+ public:
+  void push(std::size_t key, Index id) {
+    if (key >= buckets_.size()) buckets_.resize(key + 1);
+    buckets_[key].ids.push_back(id);
+    if (key > top_) top_ = key;
+  }
+
+  struct Entry {
+    std::size_t key = 0;
+    Index id = kNone;  // kNone: all buckets are empty
+  };
+  // Takes out the first entry of the largest key.
+  Entry pop() {
+    if (buckets_.empty()) return {};
+    for (;; --top_) {
+      Bucket& bucket = buckets_[top_];
+      if (bucket.head < bucket.ids.size()) return {top_, bucket.ids[bucket.head++]};
+      bucket.ids.clear();
+      bucket.head = 0;
+      if (top_ == 0) return {};
+    }
+  }
+
+ private:
+  struct Bucket {
+    std::vector<Index> ids;
+    std::size_t head = 0;
+  };
+  std::vector<Bucket> buckets_;
+  std::size_t top_ = 0;
+};
+
+// The same with the keys kept here: they start at 0 and only grow, by one at a time. A point enters
+// the queue with its first raise().
 class BucketQueue {
  public:
   explicit BucketQueue(std::size_t points) : keys_(points, 0) {}
@@ -23,11 +57,7 @@ class BucketQueue {
 
   // One more neighbour of i is visited. Does nothing to retired points.
   void raise(Index i) {
-    if (keys_[i] == kRetired) return;
-    const std::uint16_t key = ++keys_[i];
-    if (key >= buckets_.size()) buckets_.resize(key + 1);
-    buckets_[key].ids.push_back(i);
-    if (key > top_) top_ = key;
+    if (keys_[i] != kRetired) buckets_.push(++keys_[i], i);
   }
 
   // The key of the point that pop() gave last.
@@ -35,31 +65,22 @@ class BucketQueue {
 
   // Takes out and retires the point with the largest key; kNone when no point has a key above 0.
   Index pop() {
-    for (; top_ > 0; --top_) {
-      Bucket& bucket = buckets_[top_];
-      while (bucket.head < bucket.ids.size()) {
-        const Index i = bucket.ids[bucket.head++];
-        if (keys_[i] != top_) continue;
-        keys_[i] = kRetired;
-        lastKey_ = top_;
-        return i;
-      }
-      bucket.ids.clear();
-      bucket.head = 0;
+    for (;;) {
+      const KeyBuckets::Entry next = buckets_.pop();
+      if (next.id == kNone) return kNone;
+      if (keys_[next.id] != next.key) continue;
+      keys_[next.id] = kRetired;
+      lastKey_ = next.key;
+      return next.id;
     }
-    return kNone;
   }
 
  private:
   static constexpr std::uint16_t kRetired = 0xffff;
-  struct Bucket {
-    std::vector<Index> ids;
-    std::size_t head = 0;
-  };
 
   std::vector<std::uint16_t> keys_;  // n
-  std::vector<Bucket> buckets_;
-  std::size_t top_ = 0, lastKey_ = 0;
+  KeyBuckets buckets_;
+  std::size_t lastKey_ = 0;
 };
 
 }  // namespace dapple

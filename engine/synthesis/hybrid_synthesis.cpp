@@ -10,7 +10,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
-#include "base/growth_queue.h"
+#include "points/bucket_queue.h"
 #include "points/normals.h"
 #include "synthesis/chart_fit.h"
 #include "synthesis/patch_overlap.h"
@@ -43,7 +43,6 @@ class FrameSpreader {
       : input_(input),
         map_(map),
         monitor_(monitor),
-        queue_(input.neighborhoods.k),
         fit_(input.neighborhoods.k, input.unit),
         sites_(map.state.size()),
         key_(map.state.size(), 0) {
@@ -62,7 +61,7 @@ class FrameSpreader {
       queue_.push(key_[i], i);
     }
     std::size_t done = 0;
-    for (GrowthQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
+    for (KeyBuckets::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
       if (known(next.id) || key_[next.id] != next.key) continue;
       settle(next.id);
       if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
@@ -89,7 +88,7 @@ class FrameSpreader {
   const SynthesisInput& input_;
   SourceMap& map_;
   Monitor& monitor_;
-  GrowthQueue queue_;
+  KeyBuckets queue_;
   ChartFit fit_;
   std::vector<ChartSite> sites_;
   std::vector<Index> key_;

@@ -15,8 +15,8 @@
 #include <numeric>
 
 #include "base/errors.h"
-#include "base/growth_queue.h"
 #include "base/hash_rng.h"
+#include "points/bucket_queue.h"
 #include "points/normals.h"
 #include "synthesis/chart_fit.h"
 
@@ -120,7 +120,6 @@ class Grower {
                               ? smoothedPositions(input.points, input.neighborhoods, monitor)
                               : input.points.positions)),
         room_(input.swatch, options.sizeLimit),
-        queue_(input.neighborhoods.k),
         fit_(input.neighborhoods.k, input.unit) {
     const std::size_t n = input.points.size();
     map_.domain.assign(n, vec2(0));
@@ -154,7 +153,7 @@ class Grower {
     room_.open(options_.seed, patch);
     const std::size_t first = grown_.size();
     accept(start, patch, {.frame = orthonormalFrame(sites_[start].normal, input_.frames[start].t)});
-    for (GrowthQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop())
+    for (KeyBuckets::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop())
       if (map_.state[next.id] == PointState::Free && key_[next.id] == next.key &&
           refusedBy_[next.id] != patch)
         decide(next.id, patch);
@@ -223,11 +222,7 @@ class Grower {
   // Step 8.
   void place(std::size_t first, vec2 offset) {
     map_.placement.push_back(offset);
-    for (std::size_t g = first; g < grown_.size(); ++g) {
-      const Index i = grown_[g];
-      map_.texel[i] = wrapTexel(input_.swatch, map_.domain[i] + offset);
-      map_.colour[i] = sampleSwatch(input_.swatch, map_.texel[i]);
-    }
+    for (std::size_t g = first; g < grown_.size(); ++g) placePoint(map_, input_.swatch, grown_[g]);
   }
 
   const SynthesisInput& input_;
@@ -237,7 +232,7 @@ class Grower {
   const ReverseNeighborhoods reverse_;
   std::vector<ChartSite> sites_;
   PatchRoom room_;
-  GrowthQueue queue_;
+  KeyBuckets queue_;
   ChartFit fit_;
   std::vector<Index> key_;        // patch points, of any patch, among the k nearest
   std::vector<Index> refusedBy_;  // the last patch that had no room for the point
@@ -256,7 +251,6 @@ class GapBlender {
         map_(map),
         monitor_(monitor),
         sites_(chartSites(input.points, input.points.positions)),
-        queue_(input.neighborhoods.k),
         fit_(input.neighborhoods.k, input.unit) {
     for (std::size_t i = 0; i < sites_.size(); ++i)
       if (map.state[i] == PointState::Patch)
@@ -275,7 +269,7 @@ class GapBlender {
       queue_.push(key_[i], static_cast<Index>(i));
     }
     std::size_t done = 0;
-    for (GrowthQueue::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
+    for (KeyBuckets::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
       if (coloured(next.id) || key_[next.id] != next.key) continue;
       blend(next.id);
       // Gap points that have this one among their k nearest: a list of their own neighbours would
@@ -347,7 +341,7 @@ class GapBlender {
   SourceMap& map_;
   Monitor& monitor_;
   std::vector<ChartSite> sites_;
-  GrowthQueue queue_;
+  KeyBuckets queue_;
   ChartFit fit_;
   std::vector<Index> key_, first_, count_;
   std::vector<BlendTerm> terms_;

@@ -148,11 +148,9 @@ class Placer {
   }
 
   void recolour() {
-    for (std::size_t i = 0; i < input_.points.size(); ++i) {
-      if (map_.state[i] != PointState::Patch || !moved_[map_.patch[i]]) continue;
-      map_.texel[i] = wrapTexel(input_.swatch, map_.domain[i] + map_.placement[map_.patch[i]]);
-      map_.colour[i] = sampleSwatch(input_.swatch, map_.texel[i]);
-    }
+    for (std::size_t i = 0; i < input_.points.size(); ++i)
+      if (map_.state[i] == PointState::Patch && moved_[map_.patch[i]])
+        placePoint(map_, input_.swatch, i);
   }
 
   const SynthesisInput& input_;

@@ -15,6 +15,11 @@ SourceMap emptySourceMap(std::size_t n, float scale) {
   return map;
 }
 
+void placePoint(SourceMap& map, const Swatch& swatch, std::size_t i) {
+  map.texel[i] = wrapTexel(swatch, map.domain[i] + map.placement[map.patch[i]]);
+  map.colour[i] = sampleSwatch(swatch, map.texel[i]);
+}
+
 vec3 mappedColour(const SourceMap& map, const Swatch& swatch, std::size_t i) {
   const bool blended = !map.blendOffset.empty() && map.blendOffset[i] < map.blendOffset[i + 1];
   if (!blended) return sampleSwatch(swatch, map.texel[i]);

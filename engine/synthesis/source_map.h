@@ -37,6 +37,9 @@ struct SourceMap {
 // A map of n free points.
 SourceMap emptySourceMap(std::size_t n, float scale);
 
+// Reads the swatch where patch point i lies now: texel and colour from domain and placement[patch].
+void placePoint(SourceMap& map, const Swatch& swatch, std::size_t i);
+
 // The colour that the map gives point i: its texel, or its blend.
 vec3 mappedColour(const SourceMap& map, const Swatch& swatch, std::size_t i);
 

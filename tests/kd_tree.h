@@ -1,0 +1,25 @@
+// nanoflann over a list of positions: the oracle of the neighbour search and its rival in bench/.
+#pragma once
+
+#include <nanoflann.hpp>
+#include <vector>
+
+#include "base/types.h"
+
+namespace dapple {
+
+struct KdCloud {
+  const std::vector<vec3>& points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<int>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+using KdTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, KdCloud>, KdCloud, 3>;
+
+}  // namespace dapple
