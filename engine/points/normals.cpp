@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kGrain = 2048;
 constexpr std::size_t kOrientNeighbours = 10;
-constexpr std::size_t kCostSteps = 4096;
+constexpr std::size_t kCostSteps = 64;
 constexpr std::size_t kSmoothNeighbours = 32;  // with 16, noise of half a spacing makes 12.7 % gaps
 
 vec3 planeNormal(const std::vector<vec3>& positions, std::size_t i, std::span<const Index> near) {
@@ -79,28 +79,40 @@ struct Edge {
   Index from, to;
 };
 
-// Edges of the neighbour graph, those between the most parallel normals first (Kruskal's order for
-// the minimum spanning tree; the cost is cut into steps so that a counting sort will do).
-std::vector<Edge> edgesByCost(const Neighborhoods& neighborhoods,
-                              const std::vector<vec3>& normals) {
-  const std::size_t n = neighborhoods.size(), used = std::min(kOrientNeighbours, neighborhoods.k);
-  std::vector<std::uint16_t> cost(n * used);
+// Joins all points along the edges of the neighbour graph, those between the most parallel normals
+// first (Kruskal's order for the minimum spanning tree). The cost is cut into steps, so that a
+// counting sort will do; edges of the first step, most of a smooth surface, need no sorting.
+void joinByCost(const Neighborhoods& neighborhoods, const std::vector<vec3>& normals,
+                SignedParts& parts, Monitor& monitor) {
+  const std::size_t used = std::min(kOrientNeighbours, neighborhoods.k);
+  const auto join = [&](const Edge& edge) {
+    parts.join(edge.from, edge.to, glm::dot(normals[edge.from], normals[edge.to]) < 0 ? 1 : 0);
+  };
+  std::vector<Edge> unsorted;
   std::vector<std::size_t> offset(kCostSteps + 1, 0);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < used; ++j) {
-      const float apart =
-          1 - std::abs(glm::dot(normals[i], normals[neighborhoods.ids[i * neighborhoods.k + j]]));
-      const float step = std::clamp(apart, 0.f, 1.f) * static_cast<float>(kCostSteps - 1);
-      cost[i * used + j] = static_cast<std::uint16_t>(step);
-      ++offset[cost[i * used + j] + 1];
+  const auto stepOf = [&](const Edge& edge) {
+    const float apart = 1 - std::abs(glm::dot(normals[edge.from], normals[edge.to]));
+    return static_cast<std::size_t>(std::clamp(apart, 0.f, 1.f) * (kCostSteps - 1));
+  };
+  for (Index i = 0; i < neighborhoods.size(); ++i) {
+    if (i % kGrain == 0) monitor.checkpoint();
+    for (const Index j : neighborhoods.of(i).first(used)) {
+      const std::size_t step = stepOf({i, j});
+      if (step == 0) {
+        join({i, j});
+      } else {
+        unsorted.push_back({i, j});
+        ++offset[step + 1];
+      }
     }
+  }
   for (std::size_t c = 0; c < kCostSteps; ++c) offset[c + 1] += offset[c];
-  std::vector<Edge> edges(n * used);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < used; ++j)
-      edges[offset[cost[i * used + j]]++] = {static_cast<Index>(i),
-                                             neighborhoods.ids[i * neighborhoods.k + j]};
-  return edges;
+  std::vector<Edge> edges(unsorted.size());
+  for (const Edge& edge : unsorted) edges[offset[stepOf(edge)]++] = edge;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (e % kGrain == 0) monitor.checkpoint();
+    join(edges[e]);
+  }
 }
 
 // Where a part reaches furthest along an axis its surface faces that way. All six extremes of each
@@ -160,11 +172,7 @@ void orientNormals(const std::vector<vec3>& positions, const Neighborhoods& neig
   const std::size_t n = positions.size();
   monitor.checkpoint();
   SignedParts parts(n);
-  std::size_t done = 0;
-  for (const Edge& edge : edgesByCost(neighborhoods, normals)) {
-    parts.join(edge.from, edge.to, glm::dot(normals[edge.from], normals[edge.to]) < 0 ? 1 : 0);
-    if (++done % 65536 == 0) monitor.checkpoint();
-  }
+  joinByCost(neighborhoods, normals, parts, monitor);
   std::vector<Index> root(n);
   for (std::size_t i = 0; i < n; ++i) {
     const SignedParts::Root found = parts.find(static_cast<Index>(i));

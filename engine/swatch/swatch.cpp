@@ -54,19 +54,16 @@ struct LinearRead {
 };
 
 LinearRead linearRead(float coordinate, int size, bool wraps) {
-  const float shifted = coordinate - 0.5f;
-  const float whole = std::floor(shifted);
   const float limit = static_cast<float>(size);
-  LinearRead read{0, 0, shifted - whole};
+  float shifted = coordinate - 0.5f;
   if (wraps) {
-    const float inside = whole - limit * std::floor(whole / limit);
-    read.first = std::min(static_cast<int>(inside), size - 1);
-    read.second = read.first + 1 == size ? 0 : read.first + 1;
-  } else {
-    read.first = static_cast<int>(std::clamp(whole, 0.0f, limit - 1));
-    read.second = static_cast<int>(std::clamp(whole + 1, 0.0f, limit - 1));
+    shifted = wrapCoordinate(shifted, limit);
+    const int first = std::min(static_cast<int>(shifted), size - 1);
+    return {first, first + 1 == size ? 0 : first + 1, shifted - static_cast<float>(first)};
   }
-  return read;
+  const float whole = std::floor(shifted);
+  return {static_cast<int>(std::clamp(whole, 0.0f, limit - 1)),
+          static_cast<int>(std::clamp(whole + 1, 0.0f, limit - 1)), shifted - whole};
 }
 
 vec3 sampleColours(const Swatch& swatch, const std::vector<vec3>& colours, vec2 texel) {
@@ -76,11 +73,6 @@ vec3 sampleColours(const Swatch& swatch, const std::vector<vec3>& colours, vec2 
   const vec3* lower = colours.data() + static_cast<std::size_t>(y.second) * swatch.width;
   return glm::mix(glm::mix(upper[x.first], upper[x.second], x.weight),
                   glm::mix(lower[x.first], lower[x.second], x.weight), y.weight);
-}
-
-float wrapCoordinate(float value, float size) {
-  const float wrapped = value - size * std::floor(value / size);
-  return wrapped < size && wrapped >= 0 ? wrapped : 0.0f;  // rounding may land on the end
 }
 
 }  // namespace
@@ -145,6 +137,12 @@ vec3 sampleSwatch(const Swatch& swatch, vec2 texel, float level) {
   const vec3 colour = sampleColours(swatch, swatch.stack[finer], texel);
   if (blend <= 0) return colour;
   return glm::mix(colour, sampleColours(swatch, swatch.stack[finer + 1], texel), blend);
+}
+
+float wrapCoordinate(float value, float size) {
+  if (value >= 0 && value < size) return value;
+  const float wrapped = value - size * std::floor(value / size);
+  return wrapped < size && wrapped >= 0 ? wrapped : 0.0f;  // rounding may land on the end
 }
 
 vec2 wrapTexel(const Swatch& swatch, vec2 texel) {

@@ -39,6 +39,9 @@ bool looksTileable(const Image& image);
 // blends two levels of the stack.
 vec3 sampleSwatch(const Swatch& swatch, vec2 texel, float level = 0);
 
+// The same coordinate in [0, size).
+float wrapCoordinate(float value, float size);
+
 // The texel inside the image: wrapped into [0, w) x [0, h) when tileable, else unchanged.
 vec2 wrapTexel(const Swatch& swatch, vec2 texel);
 

@@ -1,18 +1,8 @@
 #include "swatch/texel_reader.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace dapple {
-namespace {
-
-float wrapped(float value, float size) {
-  if (value >= 0 && value < size) return value;
-  value -= size * std::floor(value / size);
-  return value < size ? value : 0.0f;  // rounding may land on the end
-}
-
-}  // namespace
 
 TexelReader::TexelReader(const Swatch& swatch, int level)
     : swatch_(&swatch),
@@ -35,8 +25,8 @@ TexelReader::TexelReader(const Swatch& swatch, int level)
 
 vec2 TexelReader::wrap(vec2 place) const {
   if (!tileable_) return place;
-  return {wrapped(place.x, static_cast<float>(width_)),
-          wrapped(place.y, static_cast<float>(height_))};
+  return {wrapCoordinate(place.x, static_cast<float>(width_)),
+          wrapCoordinate(place.y, static_cast<float>(height_))};
 }
 
 }  // namespace dapple

@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/simd.h"
+
 namespace dapple {
 namespace {
 
@@ -21,36 +23,14 @@ constexpr float kSteepest =
     0.01f;  // cosine to the neighbour's plane below which nothing is carried
 constexpr float kShortest = 1e-3f;  // of a unit: nearer neighbours weigh no more
 
-}  // namespace
-
-ChartFit::ChartFit(std::size_t capacity, float unit) : unit_(unit) {
-  patch_.resize(capacity);
-  for (auto* column : {&dx_, &dy_, &dz_, &nx_, &ny_, &nz_, &tx_, &ty_, &tz_, &qx_, &qy_, &weight_,
-                       &apart_, &turned_})
-    column->resize(capacity);
-}
-
-void ChartFit::begin(const vec3& position) {
-  position_ = position;
-  count_ = 0;
-}
-
-void ChartFit::add(const ChartSite& neighbour) {
-  const std::size_t c = count_++;
-  const vec3 step = position_ - neighbour.position;
-  dx_[c] = step.x, dy_[c] = step.y, dz_[c] = step.z;
-  nx_[c] = neighbour.n.x, ny_[c] = neighbour.n.y, nz_[c] = neighbour.n.z;
-  tx_[c] = neighbour.t.x, ty_[c] = neighbour.t.y, tz_[c] = neighbour.t.z;
-  qx_[c] = neighbour.q.x, qy_[c] = neighbour.q.y;
-  patch_[c] = neighbour.patch;
-}
-
-void ChartFit::finish() {
-  const float shortest = unit_ * kShortest, perUnit = 1 / unit_;
-  float *dx = dx_.data(), *dy = dy_.data(), *dz = dz_.data(), *nx = nx_.data(), *ny = ny_.data(),
-        *nz = nz_.data(), *tx = tx_.data(), *ty = ty_.data(), *tz = tz_.data(), *qx = qx_.data(),
-        *qy = qy_.data(), *weight = weight_.data();
-  const std::size_t count = count_;
+// What every contributor says: the transfer of Appendix A.
+DAPPLE_CLONES void carryAll(ChartColumns& columns, std::size_t count, float unit) {
+  const float shortest = unit * kShortest, perUnit = 1 / unit;
+  float *dx = columns.dx.data(), *dy = columns.dy.data(), *dz = columns.dz.data(),
+        *nx = columns.nx.data(), *ny = columns.ny.data(), *nz = columns.nz.data(),
+        *tx = columns.tx.data(), *ty = columns.ty.data(), *tz = columns.tz.data(),
+        *qx = columns.qx.data(), *qy = columns.qy.data(), *weight = columns.weight.data();
+  count = paddedToLanes(count);
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
     // V0 unit step, h its height over the neighbour's plane, c its cosine to that plane.
@@ -79,15 +59,116 @@ void ChartFit::finish() {
     ty[i] = twin ? ty[i] : (alongT * vy + alongS * my) * perC;
     tz[i] = twin ? tz[i] : (alongT * vz + alongS * mz) * perC;
     nx[i] = fx, ny[i] = fy, nz[i] = fz;
-    weight[i] = perC > 0.f ? unit_ / (length > shortest ? length : shortest) : 0.f;
+    weight[i] = perC > 0.f ? unit / (length > shortest ? length : shortest) : 0.f;
   }
-  filter([&](std::size_t i) { return weight_[i] > 0; });
+}
+
+inline const Float8* lanesOf(const std::vector<float>& column) {
+  return reinterpret_cast<const Float8*>(column.data());
+}
+
+// In an order that does not depend on the processor.
+[[gnu::always_inline]] inline float sumOfLanes(const Float8& v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+
+[[gnu::always_inline]] inline float mostOfLanes(const Float8& v) {
+  float most = v[0];
+  for (std::size_t l = 1; l < kLanes; ++l) most = v[l] > most ? v[l] : most;
+  return most;
+}
+
+struct WeightedMean {
+  vec2 q;
+  vec3 n, t;
+  float weights;  // their sum; n and t are sums, too: only their direction matters
+};
+
+DAPPLE_CLONES WeightedMean meanOf(const ChartColumns& columns, std::size_t count) {
+  const Float8 *inQx = lanesOf(columns.qx), *inQy = lanesOf(columns.qy),
+               *inNx = lanesOf(columns.nx), *inNy = lanesOf(columns.ny),
+               *inNz = lanesOf(columns.nz), *inTx = lanesOf(columns.tx),
+               *inTy = lanesOf(columns.ty), *inTz = lanesOf(columns.tz),
+               *weight = lanesOf(columns.weight);
+  Float8 qx{}, qy{}, nx{}, ny{}, nz{}, tx{}, ty{}, tz{}, weights{};
+  for (std::size_t b = 0; b < paddedToLanes(count) / kLanes; ++b) {
+    const Float8 w = weight[b];
+    qx += w * inQx[b], qy += w * inQy[b];
+    nx += w * inNx[b], ny += w * inNy[b], nz += w * inNz[b];
+    tx += w * inTx[b], ty += w * inTy[b], tz += w * inTz[b];
+    weights += w;
+  }
+  const float sum = sumOfLanes(weights);
+  return {vec2(sumOfLanes(qx), sumOfLanes(qy)) / sum,
+          vec3(sumOfLanes(nx), sumOfLanes(ny), sumOfLanes(nz)),
+          vec3(sumOfLanes(tx), sumOfLanes(ty), sumOfLanes(tz)), sum};
+}
+
+// D of section 3.2; the columns end in lanes of weight 0.
+DAPPLE_CLONES float distortionOf(const ChartColumns& columns, std::size_t count,
+                                 const ChartPoint& mean, float weights) {
+  const vec3 S = mean.frame.s, T = mean.frame.t;
+  const Float8 *qx = lanesOf(columns.qx), *qy = lanesOf(columns.qy), *nx = lanesOf(columns.nx),
+               *ny = lanesOf(columns.ny), *nz = lanesOf(columns.nz), *tx = lanesOf(columns.tx),
+               *ty = lanesOf(columns.ty), *tz = lanesOf(columns.tz),
+               *weight = lanesOf(columns.weight);
+  Float8 positionSum{}, positionMost{}, orientationSum{}, orientationMost{};
+  for (std::size_t b = 0; b < paddedToLanes(count) / kLanes; ++b) {
+    const Float8 ex = qx[b] - mean.q.x, ey = qy[b] - mean.q.y;
+    Float8 apart = ex * ex + ey * ey;
+    for (std::size_t l = 0; l < kLanes; ++l) apart[l] = std::sqrt(apart[l]);
+    apart *= weight[b];
+    // S_l = T_l x N_l
+    const Float8 sx = ty[b] * nz[b] - tz[b] * ny[b], sy = tz[b] * nx[b] - tx[b] * nz[b],
+                 sz = tx[b] * ny[b] - ty[b] * nx[b];
+    const Float8 turned = weight[b] * (2 - (sx * S.x + sy * S.y + sz * S.z) -
+                                       (tx[b] * T.x + ty[b] * T.y + tz[b] * T.z));
+    positionSum += apart, orientationSum += turned;
+    positionMost = apart > positionMost ? apart : positionMost;
+    orientationMost = turned > orientationMost ? turned : orientationMost;
+  }
+  return kOrientationWeight *
+             (sumOfLanes(orientationSum) / weights + mostOfLanes(orientationMost)) +
+         kPositionWeight * (sumOfLanes(positionSum) / weights + mostOfLanes(positionMost));
+}
+
+}  // namespace
+
+ChartFit::ChartFit(std::size_t capacity, float unit) : unit_(unit) {
+  patch_.resize(capacity);
+  for (const auto column : ChartColumns::kAll) (columns_.*column).resize(paddedToLanes(capacity));
+}
+
+void ChartFit::begin(const vec3& position) {
+  position_ = position;
+  count_ = 0;
+}
+
+void ChartFit::add(const ChartSite& neighbour) {
+  const std::size_t c = count_++;
+  const vec3 step = position_ - neighbour.position;
+  columns_.dx[c] = step.x, columns_.dy[c] = step.y, columns_.dz[c] = step.z;
+  columns_.nx[c] = neighbour.n.x, columns_.ny[c] = neighbour.n.y, columns_.nz[c] = neighbour.n.z;
+  columns_.tx[c] = neighbour.t.x, columns_.ty[c] = neighbour.t.y, columns_.tz[c] = neighbour.t.z;
+  columns_.qx[c] = neighbour.q.x, columns_.qy[c] = neighbour.q.y;
+  patch_[c] = neighbour.patch;
+}
+
+void ChartFit::finish() {
+  carryAll(columns_, count_, unit_);
+  filter([&](std::size_t i) { return columns_.weight[i] > 0; });
 }
 
 void ChartFit::moveTo(std::size_t from, std::size_t to) {
   patch_[to] = patch_[from];
-  for (auto* column : {&nx_, &ny_, &nz_, &tx_, &ty_, &tz_, &qx_, &qy_, &weight_})
-    (*column)[to] = (*column)[from];
+  for (const auto column : ChartColumns::kAll) (columns_.*column)[to] = (columns_.*column)[from];
+}
+
+// What is left in the last lanes must not count, nor be NaN.
+void ChartFit::clearTail() {
+  for (const auto column : ChartColumns::kAll)
+    std::fill((columns_.*column).begin() + static_cast<std::ptrdiff_t>(count_),
+              (columns_.*column).begin() + static_cast<std::ptrdiff_t>(paddedToLanes(count_)), 0.f);
 }
 
 template <class Keep>
@@ -99,15 +180,19 @@ void ChartFit::filter(Keep keep) {
     ++kept;
   }
   count_ = kept;
+  clearTail();
 }
 
 Index ChartFit::dominantPatch() const {
+  const auto end = patch_.begin() + static_cast<std::ptrdiff_t>(count_);
+  if (count_ > 0 && std::all_of(patch_.begin(), end, [&](Index p) { return p == patch_[0]; }))
+    return patch_[0];  // nearly always
   Index best = kNone;
   float most = -1;
   for (std::size_t c = 0; c < count_; ++c) {
     float sum = 0;
     for (std::size_t other = 0; other < count_; ++other)
-      if (patch_[other] == patch_[c]) sum += weight_[other];
+      if (patch_[other] == patch_[c]) sum += columns_.weight[other];
     if (sum > most || (sum == most && patch_[c] < best)) most = sum, best = patch_[c];
   }
   return best;
@@ -122,40 +207,9 @@ void ChartFit::keepNear(vec2 near, float pixels) {
 }
 
 ChartPoint ChartFit::average() const {
-  vec2 q(0);
-  vec3 n(0), t(0);
-  float weights = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const float w = weight_[i];
-    q.x += w * qx_[i], q.y += w * qy_[i];
-    n.x += w * nx_[i], n.y += w * ny_[i], n.z += w * nz_[i];
-    t.x += w * tx_[i], t.y += w * ty_[i], t.z += w * tz_[i];
-    weights += w;
-  }
-  ChartPoint out{.q = q / weights, .frame = orthonormalFrame(n, t)};
-  const vec3 S = out.frame.s, T = out.frame.t;
-  const float *nx = nx_.data(), *ny = ny_.data(), *nz = nz_.data(), *tx = tx_.data(),
-              *ty = ty_.data(), *tz = tz_.data(), *qx = qx_.data(), *qy = qy_.data(),
-              *weight = weight_.data();
-  float *apart = apart_.data(), *turned = turned_.data();
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < count_; ++i) {
-    const float ex = qx[i] - out.q.x, ey = qy[i] - out.q.y;
-    apart[i] = weight[i] * std::sqrt(ex * ex + ey * ey);
-    const float sx = ty[i] * nz[i] - tz[i] * ny[i], sy = tz[i] * nx[i] - tx[i] * nz[i],
-                sz = tx[i] * ny[i] - ty[i] * nx[i];
-    turned[i] = weight[i] *
-                (2 - (sx * S.x + sy * S.y + sz * S.z) - (tx[i] * T.x + ty[i] * T.y + tz[i] * T.z));
-  }
-  float positionSum = 0, positionMost = 0, orientationSum = 0, orientationMost = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
-    positionSum += apart[i];
-    orientationSum += turned[i];
-    positionMost = std::max(positionMost, apart[i]);
-    orientationMost = std::max(orientationMost, turned[i]);
-  }
-  out.distortion = kOrientationWeight * (orientationSum / weights + orientationMost) +
-                   kPositionWeight * (positionSum / weights + positionMost);
+  const WeightedMean mean = meanOf(columns_, count_);
+  ChartPoint out{.q = mean.q, .frame = orthonormalFrame(mean.n, mean.t)};
+  out.distortion = distortionOf(columns_, count_, out, mean.weights);
   return out;
 }
 

@@ -25,8 +25,21 @@ struct ChartPoint {
   float distortion = 0;  // D = 3 D_ori + 2 D_pos
 };
 
-// What neighbours say about where one point lies, as a structure of arrays so that the arithmetic
-// is done several neighbours at a time.
+// Contributors to the fit of one point, a column for each number so that the arithmetic is done for
+// several at a time; columns are padded to whole lanes.
+struct ChartColumns {
+  std::vector<float> dx, dy, dz;              // step from the contributor to the point
+  std::vector<float> nx, ny, nz, tx, ty, tz;  // its axes, then carried to the point
+  std::vector<float> qx, qy;                  // its position, then the point's, pixels
+  std::vector<float> weight;
+
+  static constexpr std::vector<float> ChartColumns::*kAll[] = {
+      &ChartColumns::dx, &ChartColumns::dy, &ChartColumns::dz, &ChartColumns::nx,
+      &ChartColumns::ny, &ChartColumns::nz, &ChartColumns::tx, &ChartColumns::ty,
+      &ChartColumns::tz, &ChartColumns::qx, &ChartColumns::qy, &ChartColumns::weight};
+};
+
+// What neighbours say about where one point lies.
 class ChartFit {
  public:
   // For at most `capacity` contributors; `unit` local units are one swatch pixel.
@@ -38,9 +51,10 @@ class ChartFit {
   void finish();                         // computes what every contributor says; drops steep ones
 
   std::size_t size() const { return count_; }
-  vec2 q(std::size_t c) const { return {qx_[c], qy_[c]}; }  // where contributor c places the point
+  // Where contributor c places the point.
+  vec2 q(std::size_t c) const { return {columns_.qx[c], columns_.qy[c]}; }
   Index patch(std::size_t c) const { return patch_[c]; }
-  float weight(std::size_t c) const { return weight_[c]; }
+  float weight(std::size_t c) const { return columns_.weight[c]; }
 
   Index dominantPatch() const;          // the one of most weight; ties: the smaller id
   void keepPatch(Index patch);          // drops the contributors of other patches
@@ -49,6 +63,7 @@ class ChartFit {
 
  private:
   void moveTo(std::size_t from, std::size_t to);
+  void clearTail();
   template <class Keep>
   void filter(Keep keep);
 
@@ -56,11 +71,7 @@ class ChartFit {
   vec3 position_{0};
   std::size_t count_ = 0;
   std::vector<Index> patch_;
-  std::vector<float> dx_, dy_, dz_;                 // step from the contributor to the point
-  std::vector<float> nx_, ny_, nz_, tx_, ty_, tz_;  // its axes, then carried to the point
-  std::vector<float> qx_, qy_;                      // its position, then the point's
-  std::vector<float> weight_;
-  mutable std::vector<float> apart_, turned_;  // average()'s own
+  ChartColumns columns_;
 };
 
 }  // namespace dapple

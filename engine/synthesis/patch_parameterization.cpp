@@ -123,8 +123,8 @@ class Grower {
         fit_(input.neighborhoods.k, input.unit) {
     const std::size_t n = input.points.size();
     map_.domain.assign(n, vec2(0));
-    key_.assign(n, 0);
-    refusedBy_.assign(n, kNone);
+    fronts_.resize(n);
+    contributors_.resize(input.neighborhoods.k);
   }
 
   PatchStatistics run() {
@@ -153,26 +153,36 @@ class Grower {
     room_.open(options_.seed, patch);
     const std::size_t first = grown_.size();
     accept(start, patch, {.frame = orthonormalFrame(sites_[start].normal, input_.frames[start].t)});
-    for (KeyBuckets::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop())
-      if (map_.state[next.id] == PointState::Free && key_[next.id] == next.key &&
-          refusedBy_[next.id] != patch)
-        decide(next.id, patch);
+    for (KeyBuckets::Entry next = queue_.pop(); next.id != kNone; next = queue_.pop()) {
+      const Front& front = fronts_[next.id];
+      if (front.key == next.key && waits(front, patch)) decide(next.id, patch);
+    }
     place(first, room_.close());
   }
 
-  bool touchesPatch(Index i) const {
+  // True when i faces the side of a patch point among its neighbours that is not of `patch`.
+  bool touchesPatch(Index i, Index patch = kNone) const {
     for (const Index j : input_.neighborhoods.of(i))
-      if (sites_[j].patch != kNone && sameSide(i, j)) return true;
+      if (sites_[j].patch != kNone && sites_[j].patch != patch && sameSide(i, j)) return true;
     return false;
   }
 
   // Step 3: contributors from this patch only, else a gap. Then steps 4 to 7.
   void decide(Index i, Index patch) {
-    fit_.begin(sites_[i].position);
+    // Which neighbours are patch points cannot be foreseen: no branch may depend on it.
+    std::size_t count = 0;
+    bool others = false;
     for (const Index j : input_.neighborhoods.of(i)) {
-      if (sites_[j].patch == kNone || !sameSide(i, j)) continue;
-      if (sites_[j].patch != patch) return markGap(i);
-      fit_.add(sites_[j]);
+      const Index of = fronts_[j].patch;
+      contributors_[count] = j;
+      count += of != kNone ? 1 : 0;
+      others |= of != kNone && of != patch;
+    }
+    if (others && touchesPatch(i, patch)) return markGap(i);
+    fit_.begin(sites_[i].position);
+    for (std::size_t c = 0; c < count; ++c) {
+      const Index j = contributors_[c];
+      if (sites_[j].patch == patch && sameSide(i, j)) fit_.add(sites_[j]);
     }
     fit_.finish();
     // Reached only from the side or across a thin sheet: left for another patch.
@@ -182,7 +192,7 @@ class Grower {
     if (room_.take(fitted.q))
       accept(i, patch, fitted);
     else
-      refusedBy_[i] = patch;
+      fronts_[i].refusedBy = patch;
   }
 
   void accept(Index i, Index patch, const ChartPoint& fitted) {
@@ -190,6 +200,8 @@ class Grower {
     sites_[i].q = fitted.q;
     sites_[i].n = fitted.frame.n;
     sites_[i].t = fitted.frame.t;
+    fronts_[i].patch = patch;
+    fronts_[i].decided = true;
     map_.state[i] = PointState::Patch;
     map_.patch[i] = patch;
     map_.domain[i] = fitted.q;
@@ -200,14 +212,20 @@ class Grower {
     distortionSum_ += fitted.distortion;
     statistics_.maxDistortion =
         std::max(statistics_.maxDistortion, static_cast<double>(fitted.distortion));
+    raised_.resize(std::max(raised_.size(), reverse_.of(i).size()));
+    std::size_t count = 0;
     for (const Index j : reverse_.of(i)) {
-      ++key_[j];
-      if (map_.state[j] == PointState::Free && refusedBy_[j] != patch) queue_.push(key_[j], j);
+      Front& front = fronts_[j];
+      ++front.key;
+      raised_[count] = j;
+      count += waits(front, patch) ? 1 : 0;
     }
+    for (std::size_t r = 0; r < count; ++r) queue_.push(fronts_[raised_[r]].key, raised_[r]);
     countDecided();
   }
 
   void markGap(Index i) {
+    fronts_[i].decided = true;
     map_.state[i] = PointState::Gap;
     ++statistics_.gapPoints;
     countDecided();
@@ -225,6 +243,17 @@ class Grower {
     for (std::size_t g = first; g < grown_.size(); ++g) placePoint(map_, input_.swatch, grown_[g]);
   }
 
+  // All that the queue asks of a point, small enough to stay in the cache.
+  struct Front {
+    Index refusedBy = kNone;  // the last patch that had no room for the point
+    Index patch = kNone;      // as in its site
+    std::uint16_t key = 0;    // patch points, of any patch, among the k nearest
+    bool decided = false;
+  };
+  static bool waits(const Front& front, Index patch) {
+    return !front.decided & (front.refusedBy != patch);
+  }
+
   const SynthesisInput& input_;
   const PatchOptions& options_;
   SourceMap& map_;
@@ -234,9 +263,9 @@ class Grower {
   PatchRoom room_;
   KeyBuckets queue_;
   ChartFit fit_;
-  std::vector<Index> key_;        // patch points, of any patch, among the k nearest
-  std::vector<Index> refusedBy_;  // the last patch that had no room for the point
-  std::vector<Index> grown_;      // patch points, patch after patch
+  std::vector<Front> fronts_;
+  std::vector<Index> contributors_, raised_;  // of the point at hand
+  std::vector<Index> grown_;                  // patch points, patch after patch
   std::size_t decided_ = 0;
   double distortionSum_ = 0;
   PatchStatistics statistics_;
