@@ -1,4 +1,4 @@
-// A small pool of threads that sleep while there is nothing to do (no spinning: the window shares
+// A small pool of threads that look for work for some microseconds and then sleep (the window shares
 // these cores), and loops over fixed chunks, so that results do not depend on the thread count.
 #pragma once
 

@@ -17,6 +17,7 @@ namespace dapple {
 // Eight floats in a row in memory: one register or several, as the processor has them. Not to be
 // passed or returned by value: how that is done depends on the processor.
 using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
+using Int8 = int __attribute__((vector_size(32), aligned(4), may_alias));
 inline constexpr std::size_t kLanes = 8;
 
 inline std::size_t paddedToLanes(std::size_t count) {

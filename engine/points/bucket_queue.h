@@ -2,7 +2,9 @@
 // equals ([Zhang] sections 3, 4 and 4.1 all grow in this order).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/types.h"
@@ -60,6 +62,19 @@ class BucketQueue {
     if (keys_[i] != kRetired) buckets_.push(++keys_[i], i);
   }
 
+  // The same for several.
+  void raiseAll(std::span<const Index> ids) {
+    raised_.resize(std::max(raised_.size(), ids.size()));
+    std::size_t count = 0;
+    for (const Index i : ids) {  // no branch: which ones are retired cannot be foreseen
+      raised_[count] = i;
+      const bool waits = keys_[i] != kRetired;
+      keys_[i] = static_cast<std::uint16_t>(keys_[i] + (waits ? 1 : 0));
+      count += waits ? 1 : 0;
+    }
+    for (std::size_t r = 0; r < count; ++r) buckets_.push(keys_[raised_[r]], raised_[r]);
+  }
+
   // The key of the point that pop() gave last.
   std::size_t lastKey() const { return lastKey_; }
 
@@ -79,6 +94,7 @@ class BucketQueue {
   static constexpr std::uint16_t kRetired = 0xffff;
 
   std::vector<std::uint16_t> keys_;  // n
+  std::vector<Index> raised_;
   KeyBuckets buckets_;
   std::size_t lastKey_ = 0;
 };

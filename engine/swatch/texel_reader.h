@@ -1,8 +1,10 @@
 // Bilinear reads of one level of a swatch, fast enough for some hundred per point.
 #pragma once
 
+#include <limits>
 #include <vector>
 
+#include "base/simd.h"
 #include "swatch/swatch.h"
 
 namespace dapple {
@@ -16,6 +18,46 @@ inline Float4 toFloat4(vec3 c) {
 inline float sumOf(Float4 v) {
   return (v[0] + v[1]) + v[2];
 }
+
+// Colours wanted around a place, a column for each number.
+class WantedTexels {
+ public:
+  std::size_t size() const { return count_; }
+  vec2 offset(std::size_t t) const { return {x_[t], y_[t]}; }  // from the place, x right, y down
+  const Float4& colour(std::size_t t) const { return colour_[t]; }
+
+  void clear() { count_ = 0; }
+  void add(vec2 offset, const Float4& wanted) {
+    if (count_ + kLanes > x_.size()) grow();
+    x_[count_] = offset.x, y_[count_] = offset.y, colour_[count_] = wanted;
+    ++count_;
+  }
+
+ private:
+  friend struct WantedRange;
+  // So that whole lanes can be read from any start.
+  void grow() {
+    const std::size_t room = 2 * (x_.size() + kLanes);
+    x_.resize(room), y_.resize(room), colour_.resize(room);
+  }
+
+  std::size_t count_ = 0;
+  std::vector<float> x_, y_;  // pixels
+  std::vector<Float4> colour_;
+};
+
+// Some of them that follow one another.
+struct WantedRange {
+  WantedRange(const WantedTexels& wanted, std::size_t begin, std::size_t end)
+      : x(wanted.x_.data() + begin),
+        y(wanted.y_.data() + begin),
+        colour(wanted.colour_.data() + begin),
+        count(end - begin) {}
+
+  const float *x, *y;
+  const Float4* colour;
+  std::size_t count;
+};
 
 // Places are pixel coordinates counted from the first pixel's centre: texel - 0.5.
 class TexelReader {
@@ -45,6 +87,10 @@ class TexelReader {
     const Float4 bottom = lower[0] + (lower[1] - lower[0]) * u;
     return top + (bottom - top) * v;
   }
+
+  // Sum of the squared differences to what is read around `place`: infinite where a read is not
+  // inside(), any value above `bound` when it exceeds that.
+  float differences(vec2 place, const WantedRange& wanted, float bound) const;
 
   // The same place in [0, w) x [0, h) when tileable.
   vec2 wrap(vec2 place) const;

@@ -16,14 +16,7 @@
 #include <limits>
 
 #include "base/hash_rng.h"
-
-// The same function for processors with and without AVX2, chosen when the program starts; the bits
-// are the same, as nothing is contracted or reordered.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define DAPPLE_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define DAPPLE_CLONES
-#endif
+#include "base/simd.h"
 
 namespace dapple {
 namespace {
@@ -32,15 +25,9 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kGrazing = 1e-4f;        // squared sine below which a direction has no projection
 constexpr float kReachShare = 1.0f / 6;  // of a swatch that does not tile: margin on each side
 constexpr float kTwin = 1e-30f;          // least squared distance; below it points coincide
-constexpr float kNotSeen = std::numeric_limits<float>::quiet_NaN();
 constexpr int kPlacesTried = 64;
 constexpr std::size_t kFinePhases = 4, kCoarsePhases = 2;
 constexpr std::size_t kLargeSwatch = 256 * 256;  // pixels from which on planes must be fewer
-
-float distanceAround(float a, float b, float period) {
-  const float d = std::abs(a - b);
-  return period > 0 ? std::min(d, std::abs(period - d)) : d;
-}
 
 void store(const MatchSite& site, SiteBlock& block, std::size_t a) {
   for (int c = 0; c < 3; ++c) {
@@ -48,6 +35,7 @@ void store(const MatchSite& site, SiteBlock& block, std::size_t a) {
     block.s[c][a] = site.s[c];
     block.t[c][a] = site.t[c];
   }
+  block.placeX[a] = site.place.x, block.placeY[a] = site.place.y;
 }
 
 // The transfer of [Zhang] section 3, q = L (V.S, V.T) / cos with V of unit length, seen from both
@@ -56,8 +44,7 @@ DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::
                                SiteBlock& block) {
   const vec3 p = from.position, s = from.s, t = from.t, n = glm::cross(s, t);
   const float half = 0.5f * pixelsPerUnit;
-  count = (count + SiteBlock::kLanes - 1) / SiteBlock::kLanes * SiteBlock::kLanes;
-  for (std::size_t a = 0; a < count; ++a) {
+  for (std::size_t a = 0; a < paddedToLanes(count); ++a) {
     const float vx = block.position[0][a] - p.x, vy = block.position[1][a] - p.y,
                 vz = block.position[2][a] - p.z;
     const float sx = block.s[0][a], sy = block.s[1][a], sz = block.s[2][a];
@@ -74,9 +61,29 @@ DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::
     const float y =
         (vx * t.x + vy * t.y + vz * t.z) * scaleHere + (vx * tx + vy * ty + vz * tz) * scaleThere;
     const float least = std::min(facing, std::min(flatHere, flatThere) - kGrazing);
-    block.x[a] = least > 0 ? x : kNotSeen;
+    block.x[a] = x;
     block.y[a] = -y;  // image rows run down
+    block.predictedX[a] = block.placeX[a] - x;
+    block.predictedY[a] = block.placeY[a] + y;
+    block.seen[a] = (least > 0 ? 1 : 0) & (a < count ? 1 : 0);
   }
+}
+
+// How many of the seen predictions lie within `merge` of `place`, pixels, across the borders of an
+// image that repeats after `period` (infinite: does not); those are not seen any more.
+DAPPLE_CLONES int absorb(SiteBlock& block, std::size_t count, vec2 place, float merge,
+                         vec2 period) {
+  int votes = 0;
+  for (std::size_t a = 0; a < paddedToLanes(count); ++a) {
+    const float dx = std::abs(block.predictedX[a] - place.x);
+    const float dy = std::abs(block.predictedY[a] - place.y);
+    const float aroundX = std::abs(period.x - dx), aroundY = std::abs(period.y - dy);
+    const float apartX = dx < aroundX ? dx : aroundX, apartY = dy < aroundY ? dy : aroundY;
+    const std::int32_t same = block.seen[a] & (apartX < merge ? 1 : 0) & (apartY < merge ? 1 : 0);
+    votes += same;
+    block.seen[a] -= same;
+  }
+  return votes;
 }
 
 }  // namespace
@@ -108,60 +115,61 @@ bool MatchingLevel::offsetBetween(const MatchSite& a, const MatchSite& b, vec2& 
   store(b, block, 0);
   fillOffsets(a, pixelsPerUnit_, 1, block);
   offset = {block.x[0], block.y[0]};
-  return offset.x == offset.x;
+  return block.seen[0] != 0;
 }
 
-void MatchingLevel::addCandidate(vec2 place, MatchScratch& scratch) const {
-  const float merge = in_.merge;
-  for (MatchCandidate& other : scratch.candidates) {  // nearly always: a piece agrees with itself
-    if (std::abs(place.x - other.place.x) < merge && std::abs(place.y - other.place.y) < merge) {
-      ++other.votes;
-      return;
-    }
+// The distinct ones among the predictions of a block.
+void MatchingLevel::addCandidates(std::size_t count, MatchScratch& scratch) const {
+  SiteBlock& block = scratch.block;
+  vec2 period(kInfinity);
+  if (in_.swatch.tileable) period = vec2(in_.swatch.width, in_.swatch.height);
+  for (std::size_t a = 0; a < count; ++a) {
+    const vec2 place = reader_.wrap({block.predictedX[a], block.predictedY[a]});
+    block.predictedX[a] = place.x, block.predictedY[a] = place.y;
+    if (!reader_.inside(place.x, place.y)) block.seen[a] = 0;
   }
-  place = reader_.wrap(place);
-  if (!reader_.inside(place.x, place.y)) return;
-  const float w = in_.swatch.tileable ? static_cast<float>(in_.swatch.width) : 0;
-  const float h = in_.swatch.tileable ? static_cast<float>(in_.swatch.height) : 0;
-  for (MatchCandidate& other : scratch.candidates) {
-    if (distanceAround(place.x, other.place.x, w) < merge &&
-        distanceAround(place.y, other.place.y, h) < merge) {
-      ++other.votes;
-      return;
-    }
+  for (MatchCandidate& known : scratch.candidates)
+    known.votes += absorb(block, count, known.place, in_.merge, period);
+  for (std::size_t a = 0; a < count; ++a) {
+    if (block.seen[a] == 0) continue;
+    const vec2 place(block.predictedX[a], block.predictedY[a]);
+    scratch.candidates.push_back({place, absorb(block, count, place, in_.merge, period)});
+    block.seen[a] = 0;  // whatever was rounded
   }
-  scratch.candidates.push_back({place, 1});
 }
 
 // Terms and predictions of scratch.near.
 void MatchingLevel::addTerms(const MatchSite& from, MatchScratch& scratch) const {
+  SiteBlock& block = scratch.block;
   for (std::size_t begin = 0; begin < scratch.near.size(); begin += SiteBlock::kSize) {
     const std::size_t count = std::min(SiteBlock::kSize, scratch.near.size() - begin);
     const MatchSite* const* near = scratch.near.data() + begin;
-    for (std::size_t a = 0; a < count; ++a) store(*near[a], scratch.block, a);
-    fillOffsets(from, pixelsPerUnit_, count, scratch.block);
+    for (std::size_t a = 0; a < count; ++a) store(*near[a], block, a);
+    fillOffsets(from, pixelsPerUnit_, count, block);
     for (std::size_t a = 0; a < count; ++a) {
-      const vec2 offset(scratch.block.x[a], scratch.block.y[a]);
-      if (!(offset.x == offset.x)) continue;
-      addCandidate(near[a]->place - offset, scratch);
-      if (!(std::abs(offset.x) <= reach_ && std::abs(offset.y) <= reach_)) continue;
-      scratch.offsets.push_back(offset);
-      scratch.colours.push_back(toFloat4(near[a]->colour));
+      if (block.seen[a] == 0) continue;
+      if (!(std::abs(block.x[a]) <= reach_ && std::abs(block.y[a]) <= reach_)) continue;
+      scratch.terms.add({block.x[a], block.y[a]}, toFloat4(near[a]->colour));
     }
+    addCandidates(count, scratch);
   }
 }
 
 void MatchingLevel::gather(Index i, MatchScratch& scratch) const {
-  scratch.offsets.clear();
-  scratch.colours.clear();
+  scratch.terms.clear();
   scratch.candidates.clear();
   scratch.near.clear();
   const auto ids = in_.neighborhoods.of(i);
+  // Which ones are known cannot be foreseen: no branch may depend on it.
+  scratch.near.resize(ids.size());
+  std::size_t known = 0;
   for (Index j : ids) {
-    if (sites_[j].known) scratch.near.push_back(&sites_[j]);
+    scratch.near[known] = &sites_[j];
+    known += sites_[j].known ? 1 : 0;
   }
+  scratch.near.resize(known);
   addTerms(sites_[i], scratch);
-  scratch.fineTerms = scratch.offsets.size();
+  scratch.fineTerms = scratch.terms.size();
   if (in_.coarse == nullptr) return;
   // All distinct parents of the neighbourhood, nearest first; their colours are finished.
   scratch.near.clear();
@@ -180,26 +188,10 @@ void MatchingLevel::gather(Index i, MatchScratch& scratch) const {
 // `bound` when it exceeds that.
 float MatchingLevel::errorAt(vec2 place, float bound, const MatchScratch& scratch) const {
   if (!reader_.inside(place.x, place.y)) return kInfinity;
-  const bool bounded = !in_.swatch.tileable;
-  const std::size_t fine = scratch.fineTerms, count = scratch.offsets.size();
-  const auto add = [&](const TexelReader& reader, std::size_t begin, std::size_t end, float sum) {
-    constexpr std::size_t kStride = 4;  // terms between two looks at the bound
-    while (begin < end) {
-      Float4 squares{0, 0, 0, 0};
-      const std::size_t stop = std::min(end, begin + kStride);
-      for (; begin < stop; ++begin) {
-        const vec2 at = place + scratch.offsets[begin];
-        if (bounded && !reader.inside(at.x, at.y)) return kInfinity;
-        const Float4 d = reader.read(at.x, at.y) - scratch.colours[begin];
-        squares += d * d;
-      }
-      sum += sumOf(squares);
-      if (sum > bound) break;
-    }
-    return sum;
-  };
-  const float sum = add(reader_, 0, fine, 0);
-  return fine == count || sum > bound ? sum : add(*coarseReader_, fine, count, sum);
+  const std::size_t fine = scratch.fineTerms, count = scratch.terms.size();
+  const float sum = reader_.differences(place, {scratch.terms, 0, fine}, bound);
+  if (fine == count || sum > bound) return sum;
+  return sum + coarseReader_->differences(place, {scratch.terms, fine, count}, bound - sum);
 }
 
 // Downhill from a whole pixel in steps of 1/2, 1/4 and 1/8.
@@ -220,10 +212,10 @@ void MatchingLevel::refine(vec2& place, float& error, const MatchScratch& scratc
 
 bool MatchingLevel::searchEverywhere(MatchScratch& scratch, vec2& place) const {
   scratch.search.clear();
-  for (std::size_t t = 0; t < scratch.offsets.size(); ++t) {
-    const Float4 c = scratch.colours[t];
+  for (std::size_t t = 0; t < scratch.terms.size(); ++t) {
+    const Float4& c = scratch.terms.colour(t);
     scratch.search.push_back(
-        {scratch.offsets[t], {c[0], c[1], c[2]}, t < scratch.fineTerms ? 0 : 1});
+        {scratch.terms.offset(t), {c[0], c[1], c[2]}, t < scratch.fineTerms ? 0 : 1});
   }
   const SearchResult result = search_->search(scratch.search);
   place = result.texel - 0.5f;
@@ -244,7 +236,7 @@ vec2 MatchingLevel::randomPlace(Index i, std::uint64_t salt) const {
 
 MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch& scratch) const {
   gather(i, scratch);
-  if (scratch.offsets.empty() && scratch.candidates.empty()) return {randomPlace(i, 0)};
+  if ((scratch.terms.size() == 0) && scratch.candidates.empty()) return {randomPlace(i, 0)};
   MatchChoice choice;
   float best = kInfinity;
   if (rules.coherent) {
@@ -281,7 +273,7 @@ MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch&
         scratch.candidates.empty() ? randomPlace(i, 0) : scratch.candidates.front().place;
     best = 0;
   }
-  const auto samples = static_cast<float>(3 * std::max<std::size_t>(1, scratch.offsets.size()));
+  const auto samples = static_cast<float>(3 * std::max<std::size_t>(1, scratch.terms.size()));
   choice.error = best / samples;
   return choice;
 }

@@ -34,13 +34,15 @@ struct MatchChoice {
   bool searched = false;
 };
 
-// Sites around a point, one column for each number, so that their offsets are computed eight at a
+// Sites around a point, a column for each number, so that their offsets are computed eight at a
 // time.
 struct SiteBlock {
-  static constexpr std::size_t kSize = 64, kLanes = 8;
+  static constexpr std::size_t kSize = 64;
   float position[3][kSize] = {}, s[3][kSize] = {}, t[3][kSize] = {};
-  float x[kSize] = {},
-        y[kSize] = {};  // offsets, pixels; NaN where the site faces away or is out of sight
+  float placeX[kSize] = {}, placeY[kSize] = {};
+  // Offsets, pixels, and the places predicted for the point in the middle.
+  float x[kSize] = {}, y[kSize] = {}, predictedX[kSize] = {}, predictedY[kSize] = {};
+  std::int32_t seen[kSize] = {};  // 0: faces away or out of sight; after clustering 0 for all
 };
 
 // A place that `votes` neighbours predict.
@@ -53,11 +55,9 @@ struct MatchCandidate {
 struct MatchScratch {
   SiteBlock block;
   std::vector<const MatchSite*> near;  // whose terms are wanted
-  std::vector<vec2> offsets;           // of the terms, pixels (x right, y down)
-  std::vector<Float4> colours;         // of the terms
+  WantedTexels terms;
   std::size_t fineTerms = 0;  // the first ones are compared with layer 0, the others with 1
   std::vector<MatchCandidate> candidates;  // distinct predictions
-  std::vector<Index> parents;              // distinct parents seen
   std::vector<SearchTerm> search;          // terms as the exhaustive search takes them
 };
 
@@ -102,7 +102,7 @@ class MatchingLevel {
  private:
   void gather(Index i, MatchScratch& scratch) const;
   void addTerms(const MatchSite& from, MatchScratch& scratch) const;
-  void addCandidate(vec2 place, MatchScratch& scratch) const;
+  void addCandidates(std::size_t count, MatchScratch& scratch) const;
   float errorAt(vec2 place, float bound, const MatchScratch& scratch) const;
   void refine(vec2& place, float& error, const MatchScratch& scratch) const;
   bool searchEverywhere(MatchScratch& scratch, vec2& place) const;

@@ -28,7 +28,8 @@ namespace dapple {
 namespace {
 
 constexpr int kMaxLevels = 8;
-constexpr std::size_t kBatch = 8;         // points matched at once in exhaustive mode
+constexpr std::size_t kBatch = 8;  // points matched at once in exhaustive mode
+constexpr std::size_t kCarried = 16, kKeyRange = 2;
 constexpr std::size_t kCheckEvery = 256;  // points between two looks at the monitor, coherent mode
 constexpr std::size_t kClasses = 4;       // of points that are visited again at the same time
 constexpr int kCoarsestVisits = 3, kCoarseVisits = 2, kFineVisits = 1;  // after the first
@@ -145,10 +146,10 @@ class Matcher {
   MatchingStatistics statistics_;
 
   std::vector<MatchScratch> scratch_;
-  std::vector<Index> batch_, stamp_;
+  std::vector<Index> batch_, carried_, stamp_;
   std::unique_ptr<HashedOrder> seeds_;
   std::size_t nextSeed_ = 0;
-  Index carried_ = kNone, batchNumber_ = 0;
+  Index batchNumber_ = 0;
 };
 
 int Matcher::levelCount() const {
@@ -271,41 +272,44 @@ void Matcher::colourAtRandom(int l) {
   }
 }
 
-// Points of the same key, none of which is a neighbour of another.
+// Points of about the same key, none of which is a neighbour of another. Those passed over are the
+// first of the next batch.
 void Matcher::nextBatch(BucketQueue& queue, int l, std::size_t most) {
-  const MatchingLevel& level = *levels_[l];
   batch_.clear();
-  ++batchNumber_;
-  std::size_t key = 0;
-  while (batch_.size() < most) {
-    const bool fromCarry = carried_ != kNone;
-    Index i = fromCarry ? carried_ : queue.pop();
-    carried_ = kNone;
-    if (i == kNone) {
-      if (!batch_.empty()) return;
-      do i = seeds_->at(nextSeed_++);
-      while (queue.retired(i));
-      queue.retire(i);
+  if (most == 1) {
+    batch_.push_back(queue.pop());
+  } else {
+    const Neighborhoods& near = levels_[l]->neighborhoods();
+    ++batchNumber_;
+    // True, and i is taken, when i and the points of the batch do not see each other.
+    const auto take = [&](Index i) {
+      const auto around = near.of(i);
+      const bool apart =
+          stamp_[i] != batchNumber_ && std::none_of(around.begin(), around.end(), [&](Index j) {
+            return std::find(batch_.begin(), batch_.end(), j) != batch_.end();
+          });
+      if (!apart) return false;
       batch_.push_back(i);
-      return;
+      for (Index j : around) stamp_[j] = batchNumber_;
+      return true;
+    };
+    std::erase_if(carried_, [&](Index i) { return batch_.size() < most && take(i); });
+    std::size_t least = 0;
+    while (batch_.size() < most && carried_.size() < kCarried) {
+      const Index i = queue.pop();
+      if (i == kNone) break;
+      least = std::max(least, queue.lastKey() - std::min(queue.lastKey(), kKeyRange));
+      const bool late = queue.lastKey() < least;
+      if (late || !take(i)) carried_.push_back(i);
+      if (late) break;
     }
-    if (most == 1) {
-      batch_.push_back(i);
-      return;
-    }
-    const auto near = level.neighborhoods().of(i);
-    const bool apart =
-        stamp_[i] != batchNumber_ && std::none_of(near.begin(), near.end(), [&](Index j) {
-          return std::find(batch_.begin(), batch_.end(), j) != batch_.end();
-        });
-    if (batch_.empty()) key = queue.lastKey();
-    if (!apart || (!fromCarry && queue.lastKey() != key)) {
-      carried_ = i;
-      return;
-    }
-    batch_.push_back(i);
-    for (Index j : near) stamp_[j] = batchNumber_;
   }
+  if (!batch_.empty() && batch_.front() != kNone) return;
+  Index seed;
+  do seed = seeds_->at(nextSeed_++);
+  while (queue.retired(seed));
+  queue.retire(seed);
+  batch_.assign(1, seed);
 }
 
 void Matcher::fill(int l) {
@@ -323,12 +327,12 @@ void Matcher::fill(int l) {
   if (left < level.size()) {
     for (std::size_t i = 0; i < level.size(); ++i) {
       if (!level.sites()[i].known) continue;
-      for (Index j : waiting.of(static_cast<Index>(i))) queue.raise(j);
+      queue.raiseAll(waiting.of(static_cast<Index>(i)));
     }
   }
   stamp_.assign(level.size(), 0);
   batchNumber_ = 0;
-  carried_ = kNone;
+  carried_.clear();
   nextSeed_ = 0;
   seeds_ = std::make_unique<HashedOrder>(level.size(), hashBits(options_.seed, l, 4));
   std::array<MatchChoice, kBatch> choices;
@@ -348,7 +352,7 @@ void Matcher::fill(int l) {
       level.set(i, choices[b].place);
       count(l, i, choices[b]);
       if (l == 0) order_[i] = rank++;
-      for (Index j : waiting.of(i)) queue.raise(j);
+      queue.raiseAll(waiting.of(i));
     }
     left -= batch_.size();
     unreported += batch_.size();
