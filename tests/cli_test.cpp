@@ -349,6 +349,11 @@ TEST_CASE("an output that cannot be written is refused, and leaves nothing") {
   checkRefused(folder, textureArguments(scan, out, {"--report", nowhere}), nowhere, "Create it");
   checkRefused(folder, {"render", scan, "-o", nowhere + ".png"}, nowhere, "Create it");
   checkRefused(folder, textureArguments(scan, folder / "."), folder / ".", "Add a file name");
+  checkRefused(folder, textureArguments(scan, folder / "out.obj"), "out.obj", ".ply");
+  // Known before the work is done: nothing has been saved yet.
+  checkRefused(folder, textureArguments(scan, out, {"--picture", folder / "p.foo"}), "p.foo",
+               ".png");
+  checkRefused(folder, {"render", scan, "-o", folder / "p.foo"}, "p.foo", ".png");
   if (!fs::exists("/dev/full")) {
     MESSAGE("skipped: no /dev/full");
     return;
@@ -384,6 +389,7 @@ TEST_CASE("options that make no sense are refused") {
   checkRefused(folder, {"render", scan, "-o", folder / "p.png", "--view", "inside"}, "inside",
                "front");
   checkRefused(folder, {"texture", scan, "-o", out}, "--swatch", "--help");
+  CHECK(dapple({"texture", scan, "-o", out}).err.starts_with("dapple: "));
   CHECK(dapple({"paint"}).code == 2);
   CHECK(dapple({}).code == 2);
   CHECK(dapple({"texture", "--help"}).code == 0);

@@ -29,7 +29,6 @@ TEST_CASE("every view has its name and unknown names are refused") {
   CHECK(viewNamed("state") == View::State);
   CHECK(viewNamed("patch") == View::Patch);
   CHECK(viewNamed("distortion") == View::Distortion);
-  CHECK(viewNamed("error") == View::Distortion);
   CHECK(viewNamed("order") == View::Order);
   CHECK_THROWS_AS(viewNamed("color"), InvalidInput);
 }

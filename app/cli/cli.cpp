@@ -99,7 +99,8 @@ int runCommandLine(int argc, char** argv) {
       if (command.app->parsed()) runCommand(command);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return report(kBadInput, "", fmt::format("{}. See --help.", error.what()).c_str());
   } catch (const Cancelled&) {
     return report(kStopped, "stopped; nothing was written", "");
   } catch (const InvalidInput& error) {

@@ -35,6 +35,7 @@ void runRender(RenderArguments& a, Monitor& monitor) {
   a.picture.target = toVector(a.target);
   checkView(a.picture);
   checkWritable(a.output);
+  checkImageName(a.output);
   PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
   PointSet& points = prepared.scan.points;
   if (points.colours.empty()) {

@@ -92,6 +92,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   viewNamed(a.show);
   checkView(checked);
   for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
+  checkPlyName(a.output);
+  if (!a.picture.empty()) checkImageName(a.picture);
   const Swatch swatch =
       makeSwatch(readImage(a.swatch), options.tileable, stackLevels(options), a.swatch);
   const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, monitor);

@@ -21,8 +21,7 @@ struct NamedView {
 };
 constexpr NamedView kViews[] = {
     {"colour", View::Colour}, {"normals", View::Normals},       {"state", View::State},
-    {"patch", View::Patch},   {"distortion", View::Distortion}, {"error", View::Distortion},
-    {"order", View::Order},
+    {"patch", View::Patch},   {"distortion", View::Distortion}, {"order", View::Order},
 };
 
 constexpr vec3 kUnknown{0.75f, 0.75f, 0.75f};

@@ -13,7 +13,7 @@ namespace dapple {
 
 enum class View { Colour, Normals, State, Patch, Distortion, Order };
 
-// "colour", "normals", "state", "patch", "distortion" (or "error"), "order". Throws InvalidInput.
+// "colour", "normals", "state", "patch", "distortion", "order". Throws InvalidInput.
 View viewNamed(std::string_view name);
 
 // n elements a column, or none when it is not known (the columns of a SourceMap, borrowed).

@@ -115,6 +115,16 @@ OIIO::TypeDesc pixelType(const std::string& extension, bool sixteenBit) {
   return sixteenBit && canSixteen ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
 }
 
+std::unique_ptr<OIIO::ImageOutput> writerFor(const std::filesystem::path& path) {
+  const std::string extension = extensionOf(path);
+  auto writer = extension.empty() ? nullptr : OIIO::ImageOutput::create(extension);
+  if (writer) return writer;
+  OIIO::geterror();
+  throw IoError(path.string(), "",
+                fmt::format("no image format has the extension \"{}\"", extension),
+                "Use .png, .jpg or .tif.");
+}
+
 }  // namespace
 
 Image readImage(const std::filesystem::path& path) {
@@ -133,25 +143,23 @@ Image readImage(const std::filesystem::path& path) {
   return upright(std::move(image), spec.get_int_attribute("Orientation", 1));
 }
 
+void checkImageName(const std::filesystem::path& path) {
+  writerFor(path);
+}
+
 void writeImage(const std::filesystem::path& path, const Image& image, bool sixteenBit) {
   DAPPLE_CHECK(image.width, >, 0);
   DAPPLE_CHECK(image.height, >, 0);
   DAPPLE_CHECK(image.pixels.size(), ==,
                static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
                    static_cast<std::size_t>(image.channels));
-  const std::string extension = extensionOf(path);
-  const auto output = extension.empty() ? nullptr : OIIO::ImageOutput::create(extension);
-  if (!output) {
-    OIIO::geterror();
-    throw IoError(path.string(), "",
-                  fmt::format("no image format has the extension \"{}\"", extension),
-                  "Use .png, .jpg or .tif.");
-  }
-  OIIO::ImageSpec spec(image.width, image.height, image.channels, pixelType(extension, sixteenBit));
+  const auto output = writerFor(path);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels,
+                       pixelType(extensionOf(path), sixteenBit));
   if (image.channels == 2 || image.channels == 4) spec.alpha_channel = image.channels - 1;
   spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("CompressionQuality", 95);
-  OutputFile file(path, "." + extension);
+  OutputFile file(path, "." + extensionOf(path));
   const auto fail = [&] {
     throw IoError(path.string(), "", "cannot be written: " + firstLine(output->geterror()),
                   "Is the disk full? Save to another folder or in another format.");

@@ -12,6 +12,9 @@ namespace dapple {
 // and alpha. Alpha is unassociated. Throws IoError.
 Image readImage(const std::filesystem::path& path);
 
+// Throws IoError when no format that can be written has the extension of `path`.
+void checkImageName(const std::filesystem::path& path);
+
 // Format by extension; 8 bit, or 16 bit for a PNG/TIFF when `sixteenBit`. Written beside and
 // renamed into place. Throws IoError.
 void writeImage(const std::filesystem::path& path, const Image& image, bool sixteenBit = false);

@@ -249,6 +249,16 @@ Scan loadScan(const std::filesystem::path& path, const LoadOptions& options, Mon
   return scan;
 }
 
+void checkPlyName(const std::filesystem::path& path) {
+  const std::string extension = extensionOf(path);
+  std::error_code ignored;
+  if (extension.empty() || extension == ".ply" ||
+      std::filesystem::is_other(std::filesystem::status(path, ignored)))
+    return;
+  throw IoError(path.string(), "", fmt::format("a PLY is not named \"{}\"", extension),
+                "Only PLY is written: end the name in .ply.");
+}
+
 void savePly(const std::filesystem::path& path, const RecordTable& table, bool ascii,
              Monitor& monitor) {
   std::size_t records = 0;
