@@ -374,7 +374,8 @@ TEST_CASE("options that make no sense are refused") {
       {"--up", "0,0,0", "not all 0"},      {"--scale", "nan", "0.01 to 100"},
       {"--view", "inside", "front"},       {"--size", "0x7", "WIDTHxHEIGHT"},
       {"--progress", "dots", "bar|lines"}, {"--tileable", "perhaps", "auto|yes|no"},
-      {"--show", "feelings", "colour"},    {"--sparkle", "9", "--help"}};
+      {"--show", "feelings", "colour"},    {"--renderer", "ray", "auto|gl|cpu"},
+      {"--sparkle", "9", "--help"}};
   for (const auto& [option, value, remedy] : bad) {
     CAPTURE(option);
     Arguments arguments = textureArguments(scan, out, {option, value});
@@ -459,32 +460,53 @@ TEST_CASE("info describes a scan as JSON") {
 }
 
 // DAPPLE_UPDATE_GOLDEN=1 rewrites the pictures: look at them before committing.
+void checkGolden(const std::string& picture, const std::string& name) {
+  CAPTURE(name);
+  const std::string golden = fmt::format("{}/{}.png", DAPPLE_GOLDEN, name);
+  if (std::getenv("DAPPLE_UPDATE_GOLDEN")) {
+    fs::create_directories(DAPPLE_GOLDEN);
+    fs::copy_file(picture, golden, fs::copy_options::overwrite_existing);
+    MESSAGE("rewrote ", golden);
+    return;
+  }
+  REQUIRE_MESSAGE(fs::exists(golden), golden, ": run once with DAPPLE_UPDATE_GOLDEN=1");
+  const double error = structuralSimilarityError(readImage(picture), readImage(golden));
+  const std::string actual = fmt::format("{}/{}.png", DAPPLE_GOLDEN_ACTUAL, name);
+  if (error > 0.04) {
+    fs::create_directories(DAPPLE_GOLDEN_ACTUAL);
+    fs::copy_file(picture, actual, fs::copy_options::overwrite_existing);
+  }
+  CHECK_MESSAGE(error <= 0.04, "if the new picture is right: cp ", actual, " ", golden);
+}
+
 TEST_CASE("the demo scan looks as it did") {
   const TemporaryFolder folder;
   for (const std::string method : {"patches", "match", "hybrid"}) {
-    CAPTURE(method);
     const std::string picture = folder / (method + ".png");
     const Run run =
         dapple({"texture", asset("scans/creature.ply"), "--swatch", asset("swatches/pebbles.png"),
                 "--method", method, "-o", folder / "out.ply", "--picture", picture, "--size",
                 "300x300", "--quiet"});
     REQUIRE_MESSAGE(run.code == 0, run.err);
-    const std::string golden = DAPPLE_GOLDEN "/" + method + ".png";
-    if (std::getenv("DAPPLE_UPDATE_GOLDEN")) {
-      fs::create_directories(DAPPLE_GOLDEN);
-      fs::copy_file(picture, golden, fs::copy_options::overwrite_existing);
-      MESSAGE("rewrote ", golden);
-      continue;
-    }
-    REQUIRE_MESSAGE(fs::exists(golden), golden, ": run once with DAPPLE_UPDATE_GOLDEN=1");
-    const double error = structuralSimilarityError(readImage(picture), readImage(golden));
-    const std::string actual = DAPPLE_GOLDEN_ACTUAL "/" + method + ".png";
-    if (error > 0.04) {
-      fs::create_directories(DAPPLE_GOLDEN_ACTUAL);
-      fs::copy_file(picture, actual, fs::copy_options::overwrite_existing);
-    }
-    CHECK_MESSAGE(error <= 0.04, "if the new picture is right: cp ", actual, " ", golden);
+    checkGolden(picture, method);
   }
+}
+
+TEST_CASE("every view looks as it did, drawn by OpenGL and by the processor") {
+  const TemporaryFolder folder;
+  const std::string scan = folder / "out.ply", picture = folder / "view.png";
+  const Run run =
+      dapple({"texture", asset("scans/creature.ply"), "--swatch", asset("swatches/pebbles.png"),
+              "--method", "patches", "--source-map", "-o", scan, "--quiet"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  for (const std::string view : {"colour", "normals", "state", "patch", "distortion", "order"})
+    for (const char* renderer : {"gl", "cpu"}) {
+      CAPTURE(renderer);
+      const Run drawn = dapple({"render", scan, "-o", picture, "--show", view, "--view", "iso",
+                                "--size", "240x200", "--renderer", renderer, "--quiet"});
+      REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
+      checkGolden(picture, "view_" + view);
+    }
 }
 
 }  // namespace

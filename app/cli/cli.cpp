@@ -78,6 +78,13 @@ void addTableOption(CLI::App& app, std::string_view name, TextureOptions& option
       ->type_name(optionRange(*row));
 }
 
+void addRendererOption(CLI::App& app, std::string& renderer) {
+  app.add_option("--renderer", renderer,
+                 "auto|gl|cpu: what draws, OpenGL or the processor; auto takes the processor where "
+                 "OpenGL is only software, as it is without a display")
+      ->capture_default_str();
+}
+
 void addCommonOptions(CLI::App& app, CommonOptions& common) {
   addTableOption(app, "threads", common.table);
   app.add_flag("--quiet", common.quiet, "no progress and no summary");

@@ -34,6 +34,9 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
 void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options);
 
 // --threads, --quiet and --progress.
+// --renderer, of the commands that draw.
+void addRendererOption(CLI::App& app, std::string& renderer);
+
 void addCommonOptions(CLI::App& app, CommonOptions& common);
 
 // Exit code: 0 done; 1 a bug in Dapple; 2 bad input or a file that cannot be read or written;

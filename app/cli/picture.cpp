@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "app/render/camera.h"
+#include "app/render/cpu_splatter.h"
 #include "app/render/legend.h"
 #include "app/render/offscreen.h"
 #include "app/render/splat_renderer.h"
@@ -30,9 +31,17 @@ Camera cameraFor(const PictureInput& input, const std::vector<vec3>& positions,
   return lookAt(local(*options.eye), local(*options.target), boundsOf(positions));
 }
 
+// OpenGL without a display is OpenGL in software, which takes ten times as long.
+bool usesOpenGl(const std::string& renderer) {
+  if (renderer == "gl") return true;
+  if (renderer == "auto" || renderer == "cpu") return false;
+  throw InvalidInput(
+      fmt::format("--renderer: '{}' is not allowed; choose one of auto|gl|cpu", renderer));
+}
+
 }  // namespace
 
-Image drawPicture(const PictureInput& input, const PictureOptions& options) {
+Image drawPicture(const PictureInput& input, const PictureOptions& options, Workers& workers) {
   std::vector<vec3> positions = input.points.positions, normals = input.points.normals;
   if (options.zUp) {
     for (vec3& p : positions) p = yUp(p);
@@ -40,20 +49,30 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options) {
   }
   const ViewColours view = viewColours(options.show, input.columns);
   const Camera camera = cameraFor(input, positions, options);
-  const OffscreenContext context;
-  SplatRenderer renderer;
-  renderer.update({.positions = positions,
-                   .normals = normals,
-                   .colours = view.colours,
-                   .radii = splatRadii(input.localSpacing)});
+  const std::vector<float> radii = splatRadii(input.localSpacing);
+  const SplatColumns columns{
+      .positions = positions, .normals = normals, .colours = view.colours, .radii = radii};
   const bool small = std::max(options.width, options.height) <= kSupersampleUpTo;
-  Image picture = renderer.draw(camera, options.width, options.height,
-                                {.shading = options.shading, .samples = small ? 2 : 1});
+  const SplatOptions splats{.shading = options.shading, .samples = small ? 2 : 1};
+  Image picture;
+  if (usesOpenGl(options.renderer)) {
+    const OffscreenContext context;
+    SplatRenderer renderer;
+    renderer.update(columns);
+    picture = renderer.draw(camera, options.width, options.height, splats);
+  } else {
+    CpuSplatter splatter(workers);
+    splatter.update(columns);
+    Raster raster;
+    splatter.draw(camera, options.width, options.height, splats, raster);
+    picture = toImage(raster);
+  }
   if (view.legend) drawLegend(picture, *view.legend);
   return picture;
 }
 
-void checkView(const PictureOptions& options) {
+void checkPicture(const PictureOptions& options) {
+  usesOpenGl(options.renderer);
   if (!options.eye || !options.target) standardView(options.view, Bounds{}, 1);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/render/views.h"
+#include "base/parallel.h"
 #include "points/point_set.h"
 #include "swatch/image.h"
 
@@ -17,6 +18,7 @@ struct PictureOptions {
   bool zUp = false;  // the scan's z axis points up, not y
   bool shading = false;
   View show = View::Colour;
+  std::string renderer = "auto";  // as rendererNames() says
 };
 
 // What the picture shows: columns of n elements.
@@ -27,10 +29,11 @@ struct PictureInput {
 };
 
 // Throws InvalidInput (a view whose column is not there, a size out of range).
-Image drawPicture(const PictureInput& input, const PictureOptions& options);
+Image drawPicture(const PictureInput& input, const PictureOptions& options, Workers& workers);
 
-// Throws InvalidInput for a view that drawPicture() would refuse: before the long work, not after.
-void checkView(const PictureOptions& options);
+// Throws InvalidInput for a view or a renderer that drawPicture() would refuse: before the long
+// work, not after.
+void checkPicture(const PictureOptions& options);
 
 // "1280x720". Throws InvalidInput.
 void parseSize(const std::string& text, PictureOptions& options);

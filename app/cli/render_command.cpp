@@ -33,7 +33,7 @@ void runRender(RenderArguments& a, Monitor& monitor) {
   a.picture.show = viewNamed(a.show);
   a.picture.eye = toVector(a.eye);
   a.picture.target = toVector(a.target);
-  checkView(a.picture);
+  checkPicture(a.picture);
   checkWritable(a.output);
   checkImageName(a.output);
   PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
@@ -53,7 +53,7 @@ void runRender(RenderArguments& a, Monitor& monitor) {
   writeImage(a.output, drawPicture({.points = points,
                                     .localSpacing = localSpacing(prepared.neighborhoods),
                                     .columns = columns},
-                                   a.picture));
+                                   a.picture, monitor.workers()));
 }
 
 }  // namespace
@@ -78,6 +78,7 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
                   "saved with --source-map")
       ->capture_default_str();
   sub->add_flag("--shading", a->picture.shading, "light the picture");
+  addRendererOption(*sub, a->picture.renderer);
   sub->add_flag("--z-up", a->picture.zUp, "the scan's z axis points up");
   addCommonOptions(*sub, common);
   return {sub, &common, [a](Monitor& monitor) { runRender(*a, monitor); }};

@@ -17,7 +17,7 @@ namespace {
 
 struct TextureArguments {
   std::string scan, swatch, output, report, picture, view = "front", size = "1280x720",
-                                                     show = "colour";
+                                                     show = "colour", renderer = "auto";
   LoadOptions load;
   ExportOptions exported;
   bool ascii = false, zUp = false, shading = false, score = false;
@@ -44,23 +44,32 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
       ->capture_default_str();
   app.add_flag("--z-up", a.zUp, "the scan's z axis points up: for the picture, and --up 0,0,1");
   app.add_flag("--shading", a.shading, "light the picture");
+  addRendererOption(app, a.renderer);
 }
 
-void drawResult(const TextureArguments& a, const PreparedScan& prepared,
-                const TexturedPoints& textured) {
-  PictureOptions options{
-      .view = a.view, .zUp = a.zUp, .shading = a.shading, .show = viewNamed(a.show)};
+PictureOptions pictureOptions(const TextureArguments& a) {
+  PictureOptions options{.view = a.view,
+                         .zUp = a.zUp,
+                         .shading = a.shading,
+                         .show = viewNamed(a.show),
+                         .renderer = a.renderer};
   parseSize(a.size, options);
+  checkPicture(options);
+  return options;
+}
+
+Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured,
+                const PictureOptions& options, Workers& workers) {
   const ViewColumns columns{.colours = textured.map.colour,
                             .normals = prepared.scan.points.normals,
                             .state = textured.map.state,
                             .patch = textured.map.patch,
                             .error = textured.map.error,
                             .order = textured.map.order};
-  writeImage(a.picture, drawPicture({.points = prepared.scan.points,
-                                     .localSpacing = localSpacing(prepared.neighborhoods),
-                                     .columns = columns},
-                                    options));
+  return drawPicture({.points = prepared.scan.points,
+                      .localSpacing = localSpacing(prepared.neighborhoods),
+                      .columns = columns},
+                     options, workers);
 }
 
 void printSummary(const TextureArguments& a, const PreparedScan& prepared,
@@ -87,10 +96,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   TextureOptions options = common.table;
   if (a.zUp && options.up == TextureOptions{}.up) options.up = vec3(0, 0, 1);
   validate(options);
-  PictureOptions checked{.view = a.view};
-  parseSize(a.size, checked);
-  viewNamed(a.show);
-  checkView(checked);
+  const PictureOptions picture = pictureOptions(a);
   for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
   checkPlyName(a.output);
   if (!a.picture.empty()) checkImageName(a.picture);
@@ -113,7 +119,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);
-    drawResult(a, prepared, textured);
+    writeImage(a.picture, pictureOf(prepared, textured, picture, monitor.workers()));
   }
   if (!a.report.empty())
     writeTextFile(a.report, reportJson({.prepared = prepared,

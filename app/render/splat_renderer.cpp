@@ -47,19 +47,6 @@ void uploadColumn(GLuint attribute, const GlBuffer& buffer, const std::vector<T>
   glEnableVertexAttribArray(attribute);
 }
 
-void validate(int width, int height, const SplatOptions& options) {
-  if (width < 1 || height < 1 || width > kLargestPicture || height > kLargestPicture)
-    throw InvalidInput(
-        fmt::format("A picture of {} x {} pixels cannot be drawn; sides go from 1 to {}.", width,
-                    height, kLargestPicture));
-  if (!(options.lowPass > 0))
-    throw InvalidInput(
-        fmt::format("The low-pass radius is {} pixels; it must be above 0.", options.lowPass));
-  if (options.samples < 1 || options.samples > kLargestSamples)
-    throw InvalidInput(fmt::format("{} samples along a pixel's side cannot be drawn; give 1 to {}.",
-                                   options.samples, kLargestSamples));
-}
-
 // The picture in samples, as the shaders see it.
 struct Frame {
   glm::mat4 view;
@@ -91,6 +78,19 @@ struct Targets {
 };
 
 }  // namespace
+
+void validate(int width, int height, const SplatOptions& options) {
+  if (width < 1 || height < 1 || width > kLargestPicture || height > kLargestPicture)
+    throw InvalidInput(
+        fmt::format("A picture of {} x {} pixels cannot be drawn; sides go from 1 to {}.", width,
+                    height, kLargestPicture));
+  if (!(options.lowPass > 0))
+    throw InvalidInput(
+        fmt::format("The low-pass radius is {} pixels; it must be above 0.", options.lowPass));
+  if (options.samples < 1 || options.samples > kLargestSamples)
+    throw InvalidInput(fmt::format("{} samples along a pixel's side cannot be drawn; give 1 to {}.",
+                                   options.samples, kLargestSamples));
+}
 
 std::vector<float> splatRadii(const std::vector<float>& localSpacing) {
   std::vector<float> radii(localSpacing.size());

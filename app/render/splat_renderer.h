@@ -32,6 +32,9 @@ struct SplatOptions {
   int samples = 1;  // 1..4: a pixel is the mean of samples x samples, for smooth outlines
 };
 
+// Throws InvalidInput unless 1 <= width, height <= 16384 and the options are in range.
+void validate(int width, int height, const SplatOptions& options);
+
 // Needs the current OpenGL 3.3 core context for its whole life.
 class SplatRenderer {
  public:

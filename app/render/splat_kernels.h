@@ -1,0 +1,100 @@
+// The inner loops of cpu_splatter.cpp, in SIMD.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/types.h"
+
+namespace dapple {
+
+// Samples a side of a tile. Rows are longer: whole lanes are written at once.
+inline constexpr int kSplatTile = 32, kSplatStride = kSplatTile + 8;
+
+// What is drawn, a column for each number, padded to whole lanes.
+struct SplatScene {
+  std::size_t size = 0;
+  std::vector<float> x, y, z, nx, ny, nz, radius;  // local units; a normal may be zero
+  std::vector<std::uint32_t> colour;               // as Raster::pixels
+};
+
+// The camera as seen by the loops: x to the right, y down, depth along the view axis. Samples are
+// counted from the view axis.
+struct SplatView {
+  // Rows: right, down, forward; then the eye along each.
+  std::array<std::array<float, 3>, 3> rows;
+  std::array<float, 3> eye;
+  float focal = 1;  // samples
+  float nearest = 0, farthest = 0;
+  float lowPass = 1;  // samples
+  bool headlight = false;
+};
+
+// Eight splats in one tile: distances are in samples from the tile's first sample.
+struct alignas(64) ProjectedSplats {
+  static constexpr int kCount = 8;
+  float x[kCount], y[kCount];                           // of the centre
+  float xx[kCount], xy[kCount], yy[kCount];             // squared distance, 1 at the rim
+  float depth[kCount], slopeX[kCount], slopeY[kCount];  // of the disc's plane
+  float reach[kCount];                                  // most by which that may leave the centre's
+  float offset[kCount];                                 // by which visibility lies deeper
+  float red[kCount], green[kCount], blue[kCount];       // 0..255, lit
+  int left[kCount], right[kCount], top[kCount], bottom[kCount];  // samples of the tile; may be none
+  Index point[kCount];
+};
+
+struct SplatTile {
+  alignas(64) float depth[kSplatTile * kSplatStride];  // of the nearest surface, moved back
+  alignas(64) float red[kSplatTile * kSplatStride], green[kSplatTile * kSplatStride],
+      blue[kSplatTile * kSplatStride], weight[kSplatTile * kSplatStride];
+  // Of the splat that counts most, with trace only.
+  alignas(64) float least[kSplatTile * kSplatStride], seenDepth[kSplatTile * kSplatStride];
+  alignas(64) Index point[kSplatTile * kSplatStride];
+};
+
+// The tiles that a point's splat may touch: first and last column and row; kNoTile: none. `away`:
+// its normal looks away from the eye, so that it is likely hidden.
+inline constexpr std::uint8_t kNoTile = 255;
+struct TileRange {
+  std::uint8_t left, top, right, bottom, away;
+};
+struct TileGrid {
+  int columns, rows;
+  int step;                // samples from tile to tile, at most kSplatTile
+  float originX, originY;  // samples from the view axis to the first tile's corner
+};
+struct PointRange {
+  std::size_t begin, end;  // begin: a multiple of 8
+};
+// `out` has room for whole lanes.
+void findTiles(const SplatScene& scene, const SplatView& view, const TileGrid& grid,
+               PointRange range, TileRange* out);
+
+// Where a tile lies and how deep it has to be looked into.
+struct TilePlace {
+  float x, y;      // of its corner, samples from the view axis
+  float farthest;  // what lies behind is hidden
+};
+// The farthest place of the tile that can be seen: infinite unless all samples are covered.
+float farthestSeen(const SplatTile& tile, int side);
+
+// Projects points into a tile, eight at a time; returns how many of `out` were filled (room for
+// points.size() / 8 + 1). Those that are out of sight are dropped or have no samples.
+std::size_t projectSplats(const SplatScene& scene, const SplatView& view, const TilePlace& place,
+                          std::span<const Index> points, ProjectedSplats* out);
+
+// The nearest surface, moved back so that all splats of one surface pass.
+void drawDepths(std::span<const ProjectedSplats> splats, float lowPass, SplatTile& tile);
+
+// Adds up what lies in front of that. `trace`: also which splat counts most.
+void drawColours(std::span<const ProjectedSplats> splats, float lowPass, bool trace,
+                 SplatTile& tile);
+
+// Divides what was added up by its weights, over the background (0..255), in place; then packs
+// pixels that are the mean of samples x samples as Raster::pixels, kSplatTile a row.
+void normalise(SplatTile& tile, const vec3& background);
+void packPixels(const SplatTile& tile, int samples, std::uint32_t* pixels);
+
+}  // namespace dapple
