@@ -77,6 +77,17 @@ TEST_CASE("neighbouring patches get clearly different colours and no patch is gr
   for (std::size_t i = 0; i < 200; ++i) CHECK(!isGrey(c[i]));
 }
 
+TEST_CASE("a few values far above the others do not take the heat map's colours") {
+  std::vector<float> error(100);
+  for (std::size_t i = 0; i < 100; ++i) error[i] = i < 95 ? 0.01f * static_cast<float>(i) : 300;
+  const ViewColours v = viewColours(View::Distortion, {.error = error});
+  REQUIRE(v.legend);
+  CHECK(v.legend->low == 0);
+  CHECK(v.legend->high == doctest::Approx(1.8));
+  CHECK(glm::distance(v.colours[90], heatColour(0.5f)) < 0.02f);
+  CHECK(v.colours[99] == heatColour(1));
+}
+
 TEST_CASE("the heat map grows lighter all the way in even steps") {
   float last = std::cbrt(luminance(heatColour(0)));
   const float whole = std::cbrt(luminance(heatColour(1))) - last;

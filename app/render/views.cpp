@@ -25,6 +25,7 @@ constexpr NamedView kViews[] = {
 };
 
 constexpr vec3 kUnknown{0.75f, 0.75f, 0.75f};
+constexpr float kBeyondMost = 2;  // of the span that nine tenths of the values take
 constexpr int kHeatSteps = 256;
 
 float decoded(float f) {  // the inverse of L*a*b*'s cube root with its straight piece
@@ -90,15 +91,27 @@ float heatValue(Index value) {
   return value == kNone ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(value);
 }
 
+// A few values far above all others, as the distortion of gaps, leave the rest its colours.
+template <typename T>
+std::optional<HeatRange> heatRange(std::span<const T> column) {
+  std::vector<float> values;
+  for (const T& element : column)
+    if (const float v = heatValue(element); std::isfinite(v)) values.push_back(v);
+  if (values.empty()) return std::nullopt;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  HeatRange range{*low, *high};
+  const auto most = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 9 / 10);
+  std::nth_element(values.begin(), most, values.end());
+  if (*most > range.low)
+    range.high = std::min(range.high, range.low + kBeyondMost * (*most - range.low));
+  return range;
+}
+
 template <typename T>
 ViewColours heatMap(std::span<const T> column) {
-  HeatRange range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
-  for (const T& element : column)
-    if (const float v = heatValue(element); std::isfinite(v)) {
-      range.low = std::min(range.low, v);
-      range.high = std::max(range.high, v);
-    }
-  if (range.low > range.high) return {std::vector<vec3>(column.size(), kUnknown), std::nullopt};
+  const std::optional<HeatRange> found = heatRange(column);
+  if (!found) return {std::vector<vec3>(column.size(), kUnknown), std::nullopt};
+  const HeatRange range = *found;
 
   std::array<vec3, kHeatSteps> heat;
   for (int i = 0; i < kHeatSteps; ++i) heat[i] = heatColour(i / (kHeatSteps - 1.0f));
@@ -106,7 +119,7 @@ ViewColours heatMap(std::span<const T> column) {
   auto colour = [&](const T& element) {
     const float v = heatValue(element);
     if (!std::isfinite(v)) return kUnknown;
-    const float t = width > 0 ? (v - range.low) / width : 0;
+    const float t = width > 0 ? std::min(1.f, (v - range.low) / width) : 0;
     return heat[static_cast<std::size_t>(t * (kHeatSteps - 1) + 0.5f)];
   };
   return {mapped(column, colour), range};

@@ -32,8 +32,10 @@ struct HeatRange {
 };
 
 struct ViewColours {
-  std::vector<vec3> colours;        // n, 0..1
-  std::optional<HeatRange> legend;  // of a heat map: the smallest and largest value of the column
+  std::vector<vec3> colours;  // n, 0..1
+  // Of a heat map: the smallest and largest value of the column, but no further than twice as far
+  // from the smallest as nine tenths of the values lie; what is above is drawn as that.
+  std::optional<HeatRange> legend;
 };
 
 // The colours of a view. Throws InvalidInput when its column is empty.

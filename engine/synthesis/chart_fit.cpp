@@ -209,7 +209,8 @@ void ChartFit::keepNear(vec2 near, float pixels) {
 ChartPoint ChartFit::average() const {
   const WeightedMean mean = meanOf(columns_, count_);
   ChartPoint out{.q = mean.q, .frame = orthonormalFrame(mean.n, mean.t)};
-  out.distortion = distortionOf(columns_, count_, out, mean.weights);
+  const float distortion = distortionOf(columns_, count_, out, mean.weights);
+  out.distortion = distortion < 0 ? 0 : distortion;  // by rounding; NaN stays
   return out;
 }
 
