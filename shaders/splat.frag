@@ -9,6 +9,10 @@ in Splat {
   flat vec3 colour;
   flat float reach;
   flat vec2 pixel;
+  flat vec2 texel;
+  flat vec3 swatchS;
+  flat vec3 swatchT;
+  flat float light;
 }
 splat;
 
@@ -16,6 +20,8 @@ uniform vec2 focal;
 uniform vec2 tileOrigin;  // of the frame, pixels from the view axis
 uniform vec2 depthRange;
 uniform float lowPass;
+uniform sampler2D swatch;
+uniform vec2 swatchSize;  // pixels
 
 #ifndef VISIBILITY
 layout(location = 0) out vec4 accumulated;
@@ -49,7 +55,14 @@ void main() {
 #ifdef VISIBILITY
   depth += splat.offset;
 #else
-  accumulated = vec4(splat.colour, 1.0) * max(exp(-kFalloff * d) - kRim, kLeast);
+  vec3 colour = splat.colour;
+  if (splat.light >= 0.0 && t > 0.0) {
+    vec3 there = t * ray - splat.centre;
+    // Image rows run down.
+    vec2 texel = splat.texel + vec2(dot(there, splat.swatchS), -dot(there, splat.swatchT));
+    colour = splat.light * textureLod(swatch, texel / swatchSize, 0.0).rgb;
+  }
+  accumulated = vec4(colour, 1.0) * max(exp(-kFalloff * d) - kRim, kLeast);
 #endif
   gl_FragDepth = clamp((depth - depthRange.x) / (depthRange.y - depthRange.x), 0.0, 1.0);
 }

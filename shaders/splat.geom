@@ -7,14 +7,18 @@ layout(triangle_strip, max_vertices = 4) out;
 
 uniform vec4 viewport;  // lower left corner and size, pixels
 
-#define SPLAT          \
-  flat vec3 centre;    \
-  flat float radius;   \
-  flat vec3 normal;    \
-  flat float offset;   \
-  flat vec3 colour;    \
-  flat float reach;    \
-  flat vec2 pixel;
+#define SPLAT        \
+  flat vec3 centre;  \
+  flat float radius; \
+  flat vec3 normal;  \
+  flat float offset; \
+  flat vec3 colour;  \
+  flat float reach;  \
+  flat vec2 pixel;   \
+  flat vec2 texel;   \
+  flat vec3 swatchS; \
+  flat vec3 swatchT; \
+  flat float light;
 
 in Splat { SPLAT } given[];
 out Splat { SPLAT } splat;
@@ -27,6 +31,10 @@ void corner(vec2 pixel) {
   splat.colour = given[0].colour;
   splat.reach = given[0].reach;
   splat.pixel = given[0].pixel;
+  splat.texel = given[0].texel;
+  splat.swatchS = given[0].swatchS;
+  splat.swatchT = given[0].swatchT;
+  splat.light = given[0].light;
   gl_Position = vec4((pixel - viewport.xy) / viewport.zw * 2.0 - 1.0, 0.0, 1.0);
   EmitVertex();
 }

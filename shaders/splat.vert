@@ -5,6 +5,9 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;  // (0, 0, 0): faces the eye
 layout(location = 2) in vec3 colour;
 layout(location = 3) in float radius;
+layout(location = 4) in vec2 texel;    // swatch pixels; NaN: shows its colour
+layout(location = 5) in vec3 swatchS;  // the swatch's axes, divided by a pixel's length
+layout(location = 6) in vec3 swatchT;
 
 uniform mat4 localToView;  // rigid
 uniform vec2 focal;        // pixels
@@ -12,6 +15,8 @@ uniform vec4 viewport;     // lower left corner and size, pixels
 uniform vec2 depthRange;   // near, far
 uniform float lowPass;     // radius, pixels
 uniform bool headlight;
+uniform float longestStep;  // swatch pixels from pixel to pixel: where it is longer, the splat
+                            // shows its colour; negative: all do
 
 out Splat {
   flat vec3 centre;  // view space
@@ -21,6 +26,10 @@ out Splat {
   flat vec3 colour;
   flat float reach;  // how far the disc's depth may lie from its centre's
   flat vec2 pixel;   // of the centre
+  flat vec2 texel;
+  flat vec3 swatchS;  // view space
+  flat vec3 swatchT;
+  flat float light;  // negative: shows its colour
 }
 splat;
 
@@ -51,6 +60,19 @@ vec4 withLowPass(vec4 box, vec2 pixel) {
   return vec4(0.5 * (low + high), 0.5 * (high - low));
 }
 
+// True when no step from pixel to pixel on the disc is longer than that.
+bool showsSwatch(vec3 c, vec3 n, vec3 s, vec3 t) {
+  vec3 ray = c / -c.z;
+  float nRay = dot(n, ray);
+  nRay = abs(nRay) < 1e-4 ? 1e-4 : nRay;
+  // How the depth of the plane, and with it the place on it, moves with the ray.
+  vec3 x = c.z / focal.x * (n.x / nRay * ray - vec3(1.0, 0.0, 0.0));
+  vec3 y = c.z / focal.y * (n.y / nRay * ray - vec3(0.0, 1.0, 0.0));
+  vec2 perX = vec2(dot(x, s), dot(x, t)), perY = vec2(dot(y, s), dot(y, t));
+  float longest = longestStep * longestStep;
+  return longestStep >= 0.0 && dot(perX, perX) <= longest && dot(perY, perY) <= longest;
+}
+
 void main() {
   vec3 c = (localToView * vec4(position, 1.0)).xyz;
   vec3 toEye = normalize(-c);
@@ -65,7 +87,13 @@ void main() {
   splat.normal = n;
   splat.offset = kDepthOffset * radius +
                  lowPass * pixelSize * min(tilt / max(facing, 1e-3), kSteepest);
-  splat.colour = headlight ? colour * mix(kAmbient, 1.0, facing) : colour;
+  float light = headlight ? mix(kAmbient, 1.0, facing) : 1.0;
+  splat.colour = colour * light;
+  splat.texel = texel;
+  splat.swatchS = mat3(localToView) * swatchS;
+  splat.swatchT = mat3(localToView) * swatchT;
+  bool shown = texel.x == texel.x && showsSwatch(c, n, splat.swatchS, splat.swatchT);
+  splat.light = shown ? light : -1.0;
   splat.reach = radius * sqrt(max(1.0 - n.z * n.z, 0.0));
   splat.pixel = focal * c.xy / -c.z;
 

@@ -65,15 +65,14 @@ constexpr std::array<vec3, 3> kFront{vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)
 struct Studio {
   OffscreenContext context;
   SplatRenderer renderer;
-
-  void show(const Scene& s) { renderer.update({s.positions, s.normals, s.colours, s.radii}); }
 };
 
 // One for all tests: shaders take long to compile. Every picture must leave OpenGL without a word.
 Image picture(const Scene& scene, const Camera& camera, int width, int height,
-              SplatOptions options = {.background = kBackground}) {
+              SplatOptions options = {.background = kBackground},
+              const SplatTexture* texture = nullptr) {
   static Studio studio;
-  studio.show(scene);
+  studio.renderer.update({scene.positions, scene.normals, scene.colours, scene.radii, texture});
   Image image = studio.renderer.draw(camera, width, height, options);
   for (const std::string& message : takeGlMessages()) FAIL_CHECK(message);
   return image;
@@ -82,18 +81,20 @@ Image picture(const Scene& scene, const Camera& camera, int width, int height,
 struct ByGl {
   static constexpr float kTolerance = 1e-5f;
   static Image picture(const Scene& scene, const Camera& camera, int width, int height,
-                       const SplatOptions& options = {.background = kBackground}) {
-    return ::picture(scene, camera, width, height, options);
+                       const SplatOptions& options = {.background = kBackground},
+                       const SplatTexture* texture = nullptr) {
+    return ::picture(scene, camera, width, height, options, texture);
   }
 };
 
 struct ByCpu {
   static constexpr float kTolerance = 0.51f / 255 * 1.75f;  // half a step in three channels
   static Image picture(const Scene& scene, const Camera& camera, int width, int height,
-                       const SplatOptions& options = {.background = kBackground}) {
+                       const SplatOptions& options = {.background = kBackground},
+                       const SplatTexture* texture = nullptr) {
     static Workers workers(2);
     static CpuSplatter splatter(workers);
-    splatter.update({scene.positions, scene.normals, scene.colours, scene.radii});
+    splatter.update({scene.positions, scene.normals, scene.colours, scene.radii, texture});
     Raster raster;
     splatter.draw(camera, width, height, options, raster);
     return toImage(raster);
@@ -498,6 +499,76 @@ TEST_CASE_TEMPLATE("more samples a pixel give the same picture with a softer out
   };
   CHECK(between(hard) == 0);
   CHECK(between(soft) > 200);
+}
+
+// A plane of one point every `spacing` swatch pixels with its source map, head-on.
+struct TexturedPlane {
+  Swatch swatch;
+  Scene scene;
+  std::vector<vec2> texels;
+  std::vector<TangentFrame> frames;
+
+  TexturedPlane(int side, float spacing) {
+    Image image{side, side, 3, {}};
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x)
+        for (const float k : {0.0f, 1.0f, 2.0f})
+          image.pixels.push_back(0.5f + 0.4f * std::sin(1.1f * x + k) * std::sin(0.9f * y - k));
+    swatch = makeSwatch(image, Tileable::No, 1, "test");
+    const float middle = 0.5f * static_cast<float>(side);
+    for (float y = 0.5f * spacing; y < side; y += spacing)
+      for (float x = 0.5f * spacing; x < side; x += spacing) {
+        scene.add({x - middle, middle - y, 0}, {0, 0, 1}, sampleSwatch(swatch, {x, y}), spacing);
+        texels.emplace_back(x, y);
+        frames.push_back({.s = {1, 0, 0}, .t = {0, 1, 0}, .n = {0, 0, 1}});
+      }
+  }
+
+  template <class Drawn>
+  Image draw(int pixels, bool withTexels, const std::vector<vec2>& from) const {
+    const float away = 0.5f * static_cast<float>(swatch.height) / std::tan(0.3f);
+    const Camera camera{.eye = {0, 0, away}, .target = {0, 0, 0}, .nearPlane = 1, .farPlane = 1e4f};
+    const SplatTexture texture{swatch, from, frames, 1};
+    return Drawn::picture(scene, camera, pixels, pixels, {.background = kBackground},
+                          withTexels ? &texture : nullptr);
+  }
+  template <class Drawn>
+  Image draw(int pixels, bool withTexels) const {
+    return draw<Drawn>(pixels, withTexels, texels);
+  }
+
+  Image enlarged(int pixels) const {
+    Image image{pixels, pixels, 3, {}};
+    const float step = static_cast<float>(swatch.width) / static_cast<float>(pixels);
+    for (int y = 0; y < pixels; ++y)
+      for (int x = 0; x < pixels; ++x) {
+        const vec3 c = sampleSwatch(swatch, step * vec2(x + 0.5f, y + 0.5f));
+        image.pixels.insert(image.pixels.end(), {c.r, c.g, c.b});
+      }
+    return image;
+  }
+};
+
+TEST_CASE_TEMPLATE("a textured plane gives back the swatch at any magnification", Drawn, ByGl,
+                   ByCpu) {
+  for (const auto& [pixels, spacing] : {std::pair{96, 1.0f}, {384, 1.0f}, {384, 3.0f}}) {
+    CAPTURE(pixels);
+    CAPTURE(spacing);
+    const TexturedPlane plane(96, spacing);
+    const Image wanted = plane.enlarged(pixels);
+    const double with = structuralSimilarity(plane.draw<Drawn>(pixels, true), wanted);
+    CHECK(with > 0.99);
+    // Without, points further apart than the swatch's pixels lose what lies between them.
+    if (spacing > 1) CHECK(structuralSimilarity(plane.draw<Drawn>(pixels, false), wanted) < 0.7);
+  }
+}
+
+TEST_CASE_TEMPLATE("a splat without a texel, and one seen from afar, shows its colour", Drawn, ByGl,
+                   ByCpu) {
+  const TexturedPlane plane(96, 3);
+  const std::vector<vec2> none(plane.texels.size(), vec2(std::nanf("")));
+  CHECK(plane.draw<Drawn>(300, true, none).pixels == plane.draw<Drawn>(300, false).pixels);
+  CHECK(plane.draw<Drawn>(60, true).pixels == plane.draw<Drawn>(60, false).pixels);
 }
 
 TEST_CASE_TEMPLATE("the headlight darkens what turns away and nothing else", Drawn, ByGl, ByCpu) {

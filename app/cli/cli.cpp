@@ -78,7 +78,11 @@ void addTableOption(CLI::App& app, std::string_view name, TextureOptions& option
       ->type_name(optionRange(*row));
 }
 
-void addRendererOption(CLI::App& app, std::string& renderer) {
+void addDrawingOptions(CLI::App& app, std::string& renderer, std::string& texels) {
+  app.add_option(
+         "--texels", texels,
+         "auto|on|off: show the swatch itself inside the splats where the view magnifies it")
+      ->capture_default_str();
   app.add_option("--renderer", renderer,
                  "auto|gl|cpu: what draws, OpenGL or the processor; auto takes the processor where "
                  "OpenGL is only software, as it is without a display")

@@ -34,8 +34,8 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
 void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options);
 
 // --threads, --quiet and --progress.
-// --renderer, of the commands that draw.
-void addRendererOption(CLI::App& app, std::string& renderer);
+// --renderer and --texels, of the commands that draw.
+void addDrawingOptions(CLI::App& app, std::string& renderer, std::string& texels);
 
 void addCommonOptions(CLI::App& app, CommonOptions& common);
 

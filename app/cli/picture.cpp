@@ -1,6 +1,8 @@
 #include "app/cli/picture.h"
 
 #include <charconv>
+#include <cmath>
+#include <limits>
 
 #include "app/render/camera.h"
 #include "app/render/cpu_splatter.h"
@@ -39,6 +41,38 @@ bool usesOpenGl(const std::string& renderer) {
       fmt::format("--renderer: '{}' is not allowed; choose one of auto|gl|cpu", renderer));
 }
 
+// Where the map says more than the colour: the texel of each point whose colour is the swatch's
+// there, filtered or not. Blends, and points of another swatch, show their colours.
+std::vector<vec2> plainTexels(const PictureInput& input) {
+  constexpr float kSame = 2.5f / 255;  // files hold 8 bits
+  const vec2 none(std::numeric_limits<float>::quiet_NaN());
+  std::vector<vec2> texels(input.map->texel);
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const float blur = std::log2(std::max(1.f, input.localSpacing[i] / input.map->scale));
+    const auto same = [&](float level) {
+      const vec3 d =
+          glm::abs(sampleSwatch(*input.swatch, texels[i], level) - input.columns.colours[i]);
+      return std::max({d.r, d.g, d.b}) < kSame;
+    };
+    if (!same(0) && !same(blur)) texels[i] = none;
+  }
+  return texels;
+}
+
+// Whether the swatch is shown inside the splats.
+bool usesTexels(const PictureInput& input, const PictureOptions& options) {
+  if (options.texels != "auto" && options.texels != "on" && options.texels != "off")
+    throw InvalidInput(
+        fmt::format("--texels: '{}' is not allowed; choose one of auto|on|off", options.texels));
+  const bool possible = input.map && input.swatch && input.map->scale > 0 &&
+                        options.show == View::Colour && !input.columns.colours.empty();
+  if (options.texels == "on" && !possible)
+    throw InvalidInput(
+        "--texels on: the splats can show the swatch in the colours of a scan with a source map "
+        "only; texture it with --source-map and give its --swatch");
+  return possible && options.texels != "off";
+}
+
 }  // namespace
 
 Image drawPicture(const PictureInput& input, const PictureOptions& options, Workers& workers) {
@@ -50,8 +84,20 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options, Work
   const ViewColours view = viewColours(options.show, input.columns);
   const Camera camera = cameraFor(input, positions, options);
   const std::vector<float> radii = splatRadii(input.localSpacing);
-  const SplatColumns columns{
+  SplatColumns columns{
       .positions = positions, .normals = normals, .colours = view.colours, .radii = radii};
+  std::vector<vec2> texels;
+  std::vector<TangentFrame> frames;
+  std::optional<SplatTexture> texture;
+  if (usesTexels(input, options)) {
+    texels = plainTexels(input);
+    frames = input.map->frame;
+    if (options.zUp)
+      for (TangentFrame& frame : frames) frame.s = yUp(frame.s), frame.t = yUp(frame.t);
+    texture.emplace(SplatTexture{*input.swatch, texels, frames, input.map->scale});
+    if (options.texels == "on") texture->longestStep = std::numeric_limits<float>::max();
+    columns.texture = &*texture;
+  }
   const bool small = std::max(options.width, options.height) <= kSupersampleUpTo;
   const SplatOptions splats{.shading = options.shading, .samples = small ? 2 : 1};
   Image picture;

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "points/point_set.h"
 #include "swatch/image.h"
+#include "synthesis/source_map.h"
 
 namespace dapple {
 
@@ -18,7 +19,8 @@ struct PictureOptions {
   bool zUp = false;  // the scan's z axis points up, not y
   bool shading = false;
   View show = View::Colour;
-  std::string renderer = "auto";  // as rendererNames() says
+  std::string renderer = "auto";  // auto|gl|cpu
+  std::string texels = "auto";    // auto|on|off: the swatch inside the splats
 };
 
 // What the picture shows: columns of n elements.
@@ -26,6 +28,8 @@ struct PictureInput {
   const PointSet& points;                  // with normals
   const std::vector<float>& localSpacing;  // local units
   const ViewColumns& columns;
+  const SourceMap* map = nullptr;  // with a swatch: for the swatch inside the splats
+  const Swatch* swatch = nullptr;
 };
 
 // Throws InvalidInput (a view whose column is not there, a size out of range).

@@ -18,7 +18,7 @@ constexpr int kNeighbours = 16;
 constexpr float kPlainGrey = 0.7f;  // of a scan without colours
 
 struct RenderArguments {
-  std::string scan, output, size = "1280x720", show = "colour";
+  std::string scan, output, size = "1280x720", show = "colour", swatch;
   std::vector<float> eye, target;
   PictureOptions picture;
 };
@@ -28,7 +28,7 @@ std::optional<vec3> toVector(const std::vector<float>& numbers) {
   return vec3(numbers[0], numbers[1], numbers[2]);
 }
 
-void runRender(RenderArguments& a, Monitor& monitor) {
+void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor) {
   parseSize(a.size, a.picture);
   a.picture.show = viewNamed(a.show);
   a.picture.eye = toVector(a.eye);
@@ -43,6 +43,9 @@ void runRender(RenderArguments& a, Monitor& monitor) {
     a.picture.shading = true;  // flat grey would show nothing of the shape
   }
   const SourceMap map = readSourceMap(prepared.scan).value_or(SourceMap{});
+  std::optional<Swatch> swatch;
+  if (!a.swatch.empty())
+    swatch = makeSwatch(readImage(a.swatch), table.tileable, stackLevels(table), a.swatch);
   const ViewColumns columns{.colours = points.colours,
                             .normals = points.normals,
                             .state = map.state,
@@ -52,7 +55,9 @@ void runRender(RenderArguments& a, Monitor& monitor) {
   monitor.begin(Stage::Render, 0);
   writeImage(a.output, drawPicture({.points = points,
                                     .localSpacing = localSpacing(prepared.neighborhoods),
-                                    .columns = columns},
+                                    .columns = columns,
+                                    .map = map.texel.empty() ? nullptr : &map,
+                                    .swatch = swatch ? &*swatch : nullptr},
                                    a.picture, monitor.workers()));
 }
 
@@ -78,10 +83,14 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
                   "saved with --source-map")
       ->capture_default_str();
   sub->add_flag("--shading", a->picture.shading, "light the picture");
-  addRendererOption(*sub, a->picture.renderer);
+  sub->add_option("--swatch", a->swatch,
+                  "the image that the scan was textured from, for --texels; needs a scan that was "
+                  "saved with --source-map");
+  addTableOption(*sub, "tileable", common.table);
+  addDrawingOptions(*sub, a->picture.renderer, a->picture.texels);
   sub->add_flag("--z-up", a->picture.zUp, "the scan's z axis points up");
   addCommonOptions(*sub, common);
-  return {sub, &common, [a](Monitor& monitor) { runRender(*a, monitor); }};
+  return {sub, &common, [a, &common](Monitor& monitor) { runRender(*a, common.table, monitor); }};
 }
 
 }  // namespace dapple

@@ -16,8 +16,8 @@ namespace dapple {
 namespace {
 
 struct TextureArguments {
-  std::string scan, swatch, output, report, picture, view = "front", size = "1280x720",
-                                                     show = "colour", renderer = "auto";
+  std::string scan, swatch, output, report, picture,
+      view = "front", size = "1280x720", show = "colour", renderer = "auto", texels = "auto";
   LoadOptions load;
   ExportOptions exported;
   bool ascii = false, zUp = false, shading = false, score = false;
@@ -44,7 +44,7 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
       ->capture_default_str();
   app.add_flag("--z-up", a.zUp, "the scan's z axis points up: for the picture, and --up 0,0,1");
   app.add_flag("--shading", a.shading, "light the picture");
-  addRendererOption(app, a.renderer);
+  addDrawingOptions(app, a.renderer, a.texels);
 }
 
 PictureOptions pictureOptions(const TextureArguments& a) {
@@ -52,13 +52,14 @@ PictureOptions pictureOptions(const TextureArguments& a) {
                          .zUp = a.zUp,
                          .shading = a.shading,
                          .show = viewNamed(a.show),
-                         .renderer = a.renderer};
+                         .renderer = a.renderer,
+                         .texels = a.texels};
   parseSize(a.size, options);
   checkPicture(options);
   return options;
 }
 
-Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured,
+Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured, const Swatch& swatch,
                 const PictureOptions& options, Workers& workers) {
   const ViewColumns columns{.colours = textured.map.colour,
                             .normals = prepared.scan.points.normals,
@@ -68,7 +69,9 @@ Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured,
                             .order = textured.map.order};
   return drawPicture({.points = prepared.scan.points,
                       .localSpacing = localSpacing(prepared.neighborhoods),
-                      .columns = columns},
+                      .columns = columns,
+                      .map = &textured.map,
+                      .swatch = &swatch},
                      options, workers);
 }
 
@@ -119,7 +122,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);
-    writeImage(a.picture, pictureOf(prepared, textured, picture, monitor.workers()));
+    writeImage(a.picture, pictureOf(prepared, textured, swatch, picture, monitor.workers()));
   }
   if (!a.report.empty())
     writeTextFile(a.report, reportJson({.prepared = prepared,

@@ -120,7 +120,7 @@ class TilePainter {
     place.farthest = farthestSeen(tile_, side);
     project(away, place, count_);
     drawDepths({splats_.data() + facingCount, count_ - facingCount}, view_.lowPass, tile_);
-    drawColours({splats_.data(), count_}, view_.lowPass, trace_, tile_);
+    drawColours(scene_, {splats_.data(), count_}, view_.lowPass, trace_, tile_);
   }
 
   // Into the pixels from (x0, y0) on.
@@ -176,6 +176,28 @@ class TilePainter {
   std::uint32_t pixels_[kSplatTile * kSplatTile + kLanes];
 };
 
+void setTexture(const SplatTexture* texture, SplatScene& s) {
+  const std::size_t room = texture ? paddedToLanes(s.size) : 0;
+  for (auto* column : {&s.texelX, &s.texelY, &s.sx, &s.sy, &s.sz, &s.tx, &s.ty, &s.tz})
+    column->assign(room, 0);
+  s.swatch.clear();
+  if (!texture) return;
+  DAPPLE_CHECK(texture->texel.size(), ==, s.size);
+  DAPPLE_CHECK(texture->frame.size(), ==, s.size);
+  const float perPixel = 1 / texture->scale;
+  for (std::size_t i = 0; i < s.size; ++i) {
+    const vec3 right = perPixel * texture->frame[i].s, up = perPixel * texture->frame[i].t;
+    s.texelX[i] = texture->texel[i].x - 0.5f, s.texelY[i] = texture->texel[i].y - 0.5f;
+    s.sx[i] = right.x, s.sy[i] = right.y, s.sz[i] = right.z;
+    s.tx[i] = up.x, s.ty[i] = up.y, s.tz[i] = up.z;
+  }
+  s.swatchWidth = texture->swatch.width, s.swatchHeight = texture->swatch.height;
+  s.swatchRepeats = texture->swatch.tileable;
+  s.longestStep = texture->longestStep;
+  for (const vec3& c : texture->swatch.colours())
+    s.swatch.push_back(packed(255 * c.r, 255 * c.g, 255 * c.b));
+}
+
 }  // namespace
 
 struct CpuSplatter::Scene : SplatScene {
@@ -201,6 +223,7 @@ void CpuSplatter::update(const SplatColumns& columns) {
     s.radius[i] = columns.radii[i];
   }
   recolour(columns.colours);
+  setTexture(columns.texture, s);
 }
 
 void CpuSplatter::recolour(const std::vector<vec3>& colours) {

@@ -96,6 +96,93 @@ DAPPLE_CLONES void findTiles(const SplatScene& scene, const SplatView& view, con
   }
 }
 
+namespace {
+
+// How a step of one sample to the right, or down, moves the place that is seen on a disc: by `x` or
+// `y` along the ray, and by `sideways` along the screen.
+struct DiscSteps {
+  Float8 x, y, sideways;
+};
+
+// How the swatch lies in the tile, where the view magnifies it.
+[[gnu::always_inline]] inline void placeSwatch(const SplatScene& scene, const SplatView& view,
+                                               const Seen& ray, const DiscSteps& steps,
+                                               ProjectedSplats& out) {
+  Float8 sx, sy, sz, tx, ty, tz, texelX, texelY;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const Index i = out.point[l];
+    sx[l] = scene.sx[i], sy[l] = scene.sy[i], sz[l] = scene.sz[i];
+    tx[l] = scene.tx[i], ty[l] = scene.ty[i], tz[l] = scene.tz[i];
+    texelX[l] = scene.texelX[i], texelY[l] = scene.texelY[i];
+  }
+  Seen s, t;
+  rotate(view, sx, sy, sz, s);
+  rotate(view, tx, ty, tz, t);
+  const Float8 rayS = ray.x * s.x + ray.y * s.y + ray.depth * s.depth;
+  const Float8 rayT = ray.x * t.x + ray.y * t.y + ray.depth * t.depth;
+  const Float8 xx = steps.x * rayS + steps.sideways * s.x;
+  const Float8 xy = steps.y * rayS + steps.sideways * s.y;
+  // Image rows run down.
+  const Float8 yx = -(steps.x * rayT + steps.sideways * t.x);
+  const Float8 yy = -(steps.y * rayT + steps.sideways * t.y);
+  lanes(out.texelX) = texelX, lanes(out.texelY) = texelY;
+  lanes(out.xPerX) = xx, lanes(out.xPerY) = xy, lanes(out.yPerX) = yx, lanes(out.yPerY) = yy;
+  const float longest = scene.longestStep * scene.longestStep;
+  // NaN compares false.
+  lanes(out.textured) =
+      (texelX == texelX) & (xx * xx + yx * yx <= longest) & (xy * xy + yy * yy <= longest);
+}
+
+// A coordinate before which pixel, how far beyond it, and the pixel after it.
+struct SwatchStep {
+  Int8 first, second;
+  Float8 beyond;
+};
+[[gnu::always_inline]] inline void stepInSwatch(const Float8& at, int size, bool repeats,
+                                                SwatchStep& out) {
+  const Float8 zero{}, last = zero + static_cast<float>(size - 1);
+  Float8 value = at;
+  if (!repeats) limitTo(value, zero, last);
+  Int8 whole = __builtin_convertvector(value, Int8);
+  whole += __builtin_convertvector(whole, Float8) > value;
+  const Float8 before = __builtin_convertvector(whole, Float8);
+  out.beyond = value - before;
+  const Int8 turns = __builtin_convertvector(before * (1 / static_cast<float>(size)), Int8);
+  Int8 first = whole - turns * size;
+  first += (first < 0) & size;
+  first -= (first >= size) & size;
+  Int8 second = first + 1;
+  second = second >= size ? (repeats ? Int8{} : first) : second;
+  out.first = first, out.second = second;
+}
+
+// Colours of the swatch at eight samples, 0..255.
+struct SwatchColours {
+  Float8 red, green, blue;
+};
+[[gnu::always_inline]] inline void readSwatch(const SplatScene& scene, const Float8& x,
+                                              const Float8& y, SwatchColours& out) {
+  SwatchStep column, row;
+  stepInSwatch(x, scene.swatchWidth, scene.swatchRepeats, column);
+  stepInSwatch(y, scene.swatchHeight, scene.swatchRepeats, row);
+  const Int8 above = row.first * scene.swatchWidth, below = row.second * scene.swatchWidth;
+  const Int8 places[] = {above + column.first, above + column.second, below + column.first,
+                         below + column.second};
+  const Float8 shares[] = {(1 - row.beyond) * (1 - column.beyond), (1 - row.beyond) * column.beyond,
+                           row.beyond * (1 - column.beyond), row.beyond * column.beyond};
+  out.red = out.green = out.blue = Float8{};
+  for (int corner = 0; corner < 4; ++corner) {
+    Int8 colour;
+    for (std::size_t l = 0; l < kLanes; ++l)
+      colour[l] = static_cast<int>(scene.swatch[static_cast<std::size_t>(places[corner][l])]);
+    out.red += shares[corner] * __builtin_convertvector(colour & 255, Float8);
+    out.green += shares[corner] * __builtin_convertvector(colour >> 8 & 255, Float8);
+    out.blue += shares[corner] * __builtin_convertvector(colour >> 16 & 255, Float8);
+  }
+}
+
+}  // namespace
+
 float farthestSeen(const SplatTile& tile, int side) {
   float farthest = 0;
   for (int y = 0; y < side; ++y)
@@ -103,99 +190,131 @@ float farthestSeen(const SplatTile& tile, int side) {
   return farthest;
 }
 
-// long: one projection, whose many terms are shared
+namespace {
+
+// Eight discs in the camera's axes: the ray through a centre is (sx, sy, 1).
+struct Discs {
+  Seen centre, normal;
+  Float8 radius, sx, sy, ray;  // ray: its length
+  Int8 drawn;                  // -1: yes
+};
+
+[[gnu::always_inline]] inline void readNormals(const SplatScene& scene, const SplatView& view,
+                                               const Index* points, Discs& d) {
+  Float8 x, y, z;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const Index i = points[l];
+    x[l] = scene.nx[i], y[l] = scene.ny[i], z[l] = scene.nz[i];
+  }
+  Seen& n = d.normal;
+  rotate(view, x, y, z, n);
+  const Float8 perDepth = 1 / d.centre.depth;
+  d.sx = d.centre.x * perDepth, d.sy = d.centre.y * perDepth;
+  d.ray = 1 + d.sx * d.sx + d.sy * d.sy;
+  squareRoot(d.ray);
+  // A point without a normal faces the eye.
+  const Int8 any = x * x + y * y + z * z > 0.25f;
+  n.x = any ? n.x : -d.sx / d.ray;
+  n.y = any ? n.y : -d.sy / d.ray;
+  n.depth = any ? n.depth : -1 / d.ray;
+}
+
+// The samples of the tile that an image of this half size round (x, y) may touch; sample i lies at
+// i + 0.5.
+[[gnu::always_inline]] inline void clipToTile(const Float8& halfWidth, const Float8& halfHeight,
+                                              const Int8& drawn, ProjectedSplats& out) {
+  const Float8 zero{}, outside = zero + static_cast<float>(kSplatTile), before = zero - 1;
+  const Float8 x = lanes(out.x), y = lanes(out.y);
+  Float8 left = x - halfWidth, right = x + halfWidth, top = y - halfHeight, low = y + halfHeight;
+  limitTo(left, before, outside), limitTo(right, before, outside);
+  limitTo(top, before, outside), limitTo(low, before, outside);
+  const Int8 last = Int8{} + (kSplatTile - 1);
+  Int8 to = __builtin_convertvector(right + 1, Int8) - 1;
+  Int8 bottom = __builtin_convertvector(low + 1, Int8) - 1;
+  to = to > last ? last : to;
+  bottom = bottom > last ? last : bottom;
+  lanes(out.left) = __builtin_convertvector(left + 1, Int8), lanes(out.right) = to;
+  lanes(out.top) = __builtin_convertvector(top + 1, Int8);
+  lanes(out.bottom) = drawn ? bottom : Int8{} - 1;
+}
+
+// The image of the discs: an ellipse each, and the depth of its plane.
+[[gnu::always_inline]] inline void projectDiscs(const SplatScene& scene, const SplatView& view,
+                                                const TilePlace& place, const Discs& d,
+                                                ProjectedSplats& out) {
+  const Float8 zero{}, one = zero + 1;
+  const Seen &c = d.centre, &n = d.normal;
+  Float8 q = n.x * d.sx + n.y * d.sy + n.depth;
+  const Float8 steep = q < 0 ? -q : q;
+  q = steep < kEdgeOn ? (q < 0 ? zero - kEdgeOn : zero + kEdgeOn) : q;
+  // Covariance of the image over the radius squared: J (I - n n^T) J^T; its determinant is q^2.
+  const Float8 ex = n.x - d.sx * n.depth, ey = n.y - d.sy * n.depth;
+  Float8 cxx = 1 + d.sx * d.sx - ex * ex, cyy = 1 + d.sy * d.sy - ey * ey;
+  const Float8 cxy = d.sx * d.sy - ex * ey;
+  cxx = cxx < 0 ? zero : cxx, cyy = cyy < 0 ? zero : cyy;
+  const Float8 scale = view.focal * d.radius / c.depth;
+  const Float8 inverse = 1 / (scale * scale * q * q);
+  lanes(out.xx) = cyy * inverse, lanes(out.xy) = -cxy * inverse, lanes(out.yy) = cxx * inverse;
+  lanes(out.x) = view.focal * d.sx - place.x - 0.5f;
+  lanes(out.y) = view.focal * d.sy - place.y - 0.5f;
+  Float8 width = cxx, height = cyy;
+  squareRoot(width), squareRoot(height);
+  width *= scale, height *= scale;
+  width = (width < view.lowPass ? zero + view.lowPass : width) + kSlack;
+  height = (height < view.lowPass ? zero + view.lowPass : height) + kSlack;
+  clipToTile(width, height, d.drawn, out);
+
+  const Float8 facing = steep / d.ray;
+  Float8 tilt = one - facing * facing, reach = one - n.depth * n.depth;
+  tilt = tilt < 0 ? zero : tilt, reach = reach < 0 ? zero : reach;
+  squareRoot(tilt), squareRoot(reach);
+  Float8 slope = tilt / (facing < 1e-3f ? zero + 1e-3f : facing);
+  slope = slope > kSteepest ? zero + kSteepest : slope;
+  lanes(out.offset) = kDepthOffset * d.radius + view.lowPass / view.focal * c.depth * slope;
+  lanes(out.reach) = d.radius * reach;
+  lanes(out.depth) = c.depth;
+  // The plane's depth along a ray is (n.c) / (n.ray).
+  const Float8 perSlope = -c.depth / (view.focal * q);
+  lanes(out.slopeX) = n.x * perSlope, lanes(out.slopeY) = n.y * perSlope;
+  lanes(out.light) = view.headlight ? kAmbient + (1 - kAmbient) * facing : one;
+  lanes(out.textured) = Int8{};
+  if (scene.swatch.empty()) return;
+  const DiscSteps steps{n.x * perSlope, n.y * perSlope, c.depth / view.focal};
+  placeSwatch(scene, view, {d.sx, d.sy, one}, steps, out);
+}
+
+}  // namespace
+
 DAPPLE_CLONES std::size_t projectSplats(const SplatScene& scene, const SplatView& view,
                                         const TilePlace& place, std::span<const Index> points,
                                         ProjectedSplats* out) {
+  const Int8 lane{0, 1, 2, 3, 4, 5, 6, 7};
   std::size_t kept = 0;
-  const Float8 zero{}, one = zero + 1;
   for (std::size_t begin = 0; begin < points.size(); begin += kLanes) {
     const std::size_t count = std::min(kLanes, points.size() - begin);
     ProjectedSplats& s = out[kept];
-    Float8 x, y, z, radius;
+    Discs d;
+    Float8 x, y, z;
     for (std::size_t l = 0; l < kLanes; ++l) {
       const Index i = points[begin + std::min(l, count - 1)];
       s.point[l] = i;
       x[l] = scene.x[i], y[l] = scene.y[i], z[l] = scene.z[i];
-      radius[l] = scene.radius[i];
+      d.radius[l] = scene.radius[i];
     }
-    Seen c, n;
-    rotate(view, x, y, z, c);
-    c.x -= view.eye[0], c.y -= view.eye[1], c.depth -= view.eye[2];
-    const Int8 hidden = c.depth - radius > place.farthest;
-    int visible = 0;
-    for (std::size_t l = 0; l < kLanes; ++l) visible |= ~hidden[l];
-    if (visible == 0) continue;
-    Float8 ax, ay, az;
+    rotate(view, x, y, z, d.centre);
+    d.centre.x -= view.eye[0], d.centre.y -= view.eye[1], d.centre.depth -= view.eye[2];
+    d.drawn = (d.centre.depth - d.radius <= place.farthest) & (lane < static_cast<int>(count));
+    int any = 0;
+    for (std::size_t l = 0; l < kLanes; ++l) any |= d.drawn[l];
+    if (any == 0) continue;
+    readNormals(scene, view, s.point, d);
+    projectDiscs(scene, view, place, d, s);
     Int8 colour;
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      const Index i = s.point[l];
-      ax[l] = scene.nx[i], ay[l] = scene.ny[i], az[l] = scene.nz[i];
-      colour[l] = static_cast<int>(scene.colour[i]);
-    }
-    rotate(view, ax, ay, az, n);
-    // s: the ray through the centre is (sx, sy, 1).
-    const Float8 perDepth = 1 / c.depth;
-    const Float8 sx = c.x * perDepth, sy = c.y * perDepth;
-    Float8 ray = 1 + sx * sx + sy * sy;
-    squareRoot(ray);
-    // A point without a normal faces the eye.
-    const Int8 any = ax * ax + ay * ay + az * az > 0.25f;
-    n.x = any ? n.x : -sx / ray, n.y = any ? n.y : -sy / ray, n.depth = any ? n.depth : -1 / ray;
-    Float8 q = n.x * sx + n.y * sy + n.depth;
-    const Float8 steep = q < 0 ? -q : q;
-    q = steep < kEdgeOn ? (q < 0 ? zero - kEdgeOn : zero + kEdgeOn) : q;
-    // Covariance of the disc's image over its radius squared: J (I - n n^T) J^T.
-    const Float8 ex = n.x - sx * n.depth, ey = n.y - sy * n.depth;
-    Float8 cxx = 1 + sx * sx - ex * ex, cyy = 1 + sy * sy - ey * ey;
-    const Float8 cxy = sx * sy - ex * ey;
-    cxx = cxx < 0 ? zero : cxx, cyy = cyy < 0 ? zero : cyy;
-    const Float8 scale = view.focal * radius * perDepth;
-    const Float8 inverse = 1 / (scale * scale * q * q);
-    Float8 width = cxx, height = cyy;
-    squareRoot(width), squareRoot(height);
-    width *= scale, height *= scale;
-    width = (width < view.lowPass ? zero + view.lowPass : width) + kSlack;
-    height = (height < view.lowPass ? zero + view.lowPass : height) + kSlack;
-    const Float8 px = view.focal * sx - place.x, py = view.focal * sy - place.y;
-    const Float8 facing = steep / ray;
-    Float8 tilt = one - facing * facing;
-    tilt = tilt < 0 ? zero : tilt;
-    squareRoot(tilt);
-    Float8 slope = tilt / (facing < 1e-3f ? zero + 1e-3f : facing);
-    slope = slope > kSteepest ? zero + kSteepest : slope;
-    const Float8 offset = kDepthOffset * radius + view.lowPass / view.focal * c.depth * slope;
-    Float8 reach = one - n.depth * n.depth;
-    reach = reach < 0 ? zero : reach;
-    squareRoot(reach);
-    const Float8 perSlope = c.depth / (view.focal * q);
-    const Float8 light = view.headlight ? kAmbient + (1 - kAmbient) * facing : one;
-    // Sample i of the tile lies at i + 0.5.
-    Float8 left = px - width - 0.5f, right = px + width - 0.5f;
-    Float8 top = py - height - 0.5f, bottom = py + height - 0.5f;
-    const Float8 outside = zero + static_cast<float>(kSplatTile), before = zero - 1;
-    limitTo(left, before, outside), limitTo(right, before, outside);
-    limitTo(top, before, outside), limitTo(bottom, before, outside);
-    const Int8 lane{0, 1, 2, 3, 4, 5, 6, 7};
-    const Int8 drawn = ~hidden & (lane < static_cast<int>(count));
-    const Int8 last = Int8{} + (kSplatTile - 1);
-    const Int8 from = __builtin_convertvector(left + 1, Int8);
-    Int8 to = __builtin_convertvector(right + 1, Int8) - 1;
-    Int8 low = __builtin_convertvector(bottom + 1, Int8) - 1;
-    to = to > last ? last : to;
-    low = low > last ? last : low;
-    low = drawn ? low : Int8{} - 1;
-    lanes(s.x) = px - 0.5f, lanes(s.y) = py - 0.5f;
-    lanes(s.xx) = cyy * inverse, lanes(s.xy) = -cxy * inverse, lanes(s.yy) = cxx * inverse;
-    lanes(s.depth) = c.depth;
-    // The plane's depth along a ray is (n.c) / (n.ray).
-    lanes(s.slopeX) = -n.x * perSlope, lanes(s.slopeY) = -n.y * perSlope;
-    lanes(s.reach) = radius * reach, lanes(s.offset) = offset;
+    for (std::size_t l = 0; l < kLanes; ++l) colour[l] = static_cast<int>(scene.colour[s.point[l]]);
+    const Float8 light = lanes(s.light);
     lanes(s.red) = light * __builtin_convertvector(colour & 255, Float8);
     lanes(s.green) = light * __builtin_convertvector(colour >> 8 & 255, Float8);
     lanes(s.blue) = light * __builtin_convertvector(colour >> 16 & 255, Float8);
-    lanes(s.left) = from, lanes(s.right) = to;
-    lanes(s.top) = __builtin_convertvector(top + 1, Int8), lanes(s.bottom) = low;
     ++kept;
   }
   return kept;
@@ -252,20 +371,22 @@ DAPPLE_CLONES void drawDepths(std::span<const ProjectedSplats> splats, float low
     }
 }
 
-DAPPLE_CLONES void drawColours(std::span<const ProjectedSplats> splats, float lowPass, bool trace,
-                               SplatTile& tile) {
+DAPPLE_CLONES void drawColours(const SplatScene& scene, std::span<const ProjectedSplats> splats,
+                               float lowPass, bool trace, SplatTile& tile) {
   const float perLowPass2 = 1 / (lowPass * lowPass);
   const Float8 zero{}, least = zero + kLeast;
   for (const ProjectedSplats& block : splats)
     for (int l = 0; l < ProjectedSplats::kCount; ++l) {
       const Splat s = splatOf(block, l);
-      const float red = block.red[l], green = block.green[l], blue = block.blue[l];
+      const bool textured = block.textured[l] != 0;
+      SwatchColours colour{zero + block.red[l], zero + block.green[l], zero + block.blue[l]};
       for (int y = s.top; y <= s.bottom; ++y)
         for (int x = s.left; x <= s.right; x += static_cast<int>(kLanes)) {
           const int at = y * kSplatStride + x;
           const Float8 dx = kSteps + (static_cast<float>(x) - s.x);
+          const float dy = static_cast<float>(y) - s.y;
           Reached r;
-          reachSamples(s, perLowPass2, dx, static_cast<float>(y) - s.y, r);
+          reachSamples(s, perLowPass2, dx, dy, r);
           const Float8 &distance = r.distance, &depth = r.depth;
           const Int8 counts = (distance <= 1) & (depth <= lanes(&tile.depth[at]));
           Float8 weight =
@@ -274,9 +395,15 @@ DAPPLE_CLONES void drawColours(std::span<const ProjectedSplats> splats, float lo
                kKernel[0]);
           weight = weight < least ? least : weight;
           weight = counts ? weight : zero;
-          lanes(&tile.red[at]) += weight * red;
-          lanes(&tile.green[at]) += weight * green;
-          lanes(&tile.blue[at]) += weight * blue;
+          if (textured) {
+            readSwatch(scene, block.texelX[l] + block.xPerX[l] * dx + block.xPerY[l] * dy,
+                       block.texelY[l] + block.yPerX[l] * dx + block.yPerY[l] * dy, colour);
+            const float light = block.light[l];
+            colour.red *= light, colour.green *= light, colour.blue *= light;
+          }
+          lanes(&tile.red[at]) += weight * colour.red;
+          lanes(&tile.green[at]) += weight * colour.green;
+          lanes(&tile.blue[at]) += weight * colour.blue;
           lanes(&tile.weight[at]) += weight;
           if (!trace) continue;
           for (int k = 0; k < static_cast<int>(kLanes); ++k)

@@ -18,6 +18,13 @@ struct SplatScene {
   std::size_t size = 0;
   std::vector<float> x, y, z, nx, ny, nz, radius;  // local units; a normal may be zero
   std::vector<std::uint32_t> colour;               // as Raster::pixels
+  // Without a texture these are empty.
+  std::vector<float> texelX, texelY;          // swatch pixels from the first one's centre, or NaN
+  std::vector<float> sx, sy, sz, tx, ty, tz;  // the swatch's axes, divided by a pixel's length
+  std::vector<std::uint32_t> swatch;          // as Raster::pixels
+  int swatchWidth = 0, swatchHeight = 0;
+  bool swatchRepeats = false;
+  float longestStep = 0;  // swatch pixels from sample to sample; further away it is not shown
 };
 
 // The camera as seen by the loops: x to the right, y down, depth along the view axis. Samples are
@@ -43,6 +50,10 @@ struct alignas(64) ProjectedSplats {
   float red[kCount], green[kCount], blue[kCount];       // 0..255, lit
   int left[kCount], right[kCount], top[kCount], bottom[kCount];  // samples of the tile; may be none
   Index point[kCount];
+  // Of a splat that shows the swatch: its texel, and by how much that moves from sample to sample.
+  float texelX[kCount], texelY[kCount], xPerX[kCount], xPerY[kCount], yPerX[kCount], yPerY[kCount];
+  float light[kCount];
+  int textured[kCount];  // 0: it shows its colour
 };
 
 struct SplatTile {
@@ -89,8 +100,8 @@ std::size_t projectSplats(const SplatScene& scene, const SplatView& view, const 
 void drawDepths(std::span<const ProjectedSplats> splats, float lowPass, SplatTile& tile);
 
 // Adds up what lies in front of that. `trace`: also which splat counts most.
-void drawColours(std::span<const ProjectedSplats> splats, float lowPass, bool trace,
-                 SplatTile& tile);
+void drawColours(const SplatScene& scene, std::span<const ProjectedSplats> splats, float lowPass,
+                 bool trace, SplatTile& tile);
 
 // Divides what was added up by its weights, over the background (0..255), in place; then packs
 // pixels that are the mean of samples x samples as Raster::pixels, kSplatTile a row.

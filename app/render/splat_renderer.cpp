@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
+#include <optional>
 
 #include "app/render/gl_objects.h"
 #include "base/errors.h"
@@ -45,6 +46,24 @@ void uploadColumn(GLuint attribute, const GlBuffer& buffer, const std::vector<T>
                GL_DYNAMIC_DRAW);
   glVertexAttribPointer(attribute, sizeof(T) / sizeof(float), GL_FLOAT, GL_FALSE, 0, nullptr);
   glEnableVertexAttribArray(attribute);
+}
+
+GlTexture makeSwatchTexture(const Swatch& swatch) {
+  std::vector<std::uint8_t> bytes;
+  for (const vec3& c : swatch.colours())
+    for (int k = 0; k < 3; ++k)
+      bytes.push_back(static_cast<std::uint8_t>(std::clamp(c[k], 0.f, 1.f) * 255 + 0.5f));
+  GlTexture texture;
+  glBindTexture(GL_TEXTURE_2D, texture.id());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, swatch.width, swatch.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+               bytes.data());
+  const GLint wrap = swatch.tileable ? GL_REPEAT : GL_CLAMP_TO_EDGE;
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, axis, wrap);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  return texture;
 }
 
 // The picture in samples, as the shaders see it.
@@ -104,17 +123,41 @@ struct SplatRenderer::Pipeline {
                             {splatProgram(true, false), splatProgram(true, true)}};
   GlProgram resolve = resolveProgram();
   GlVertexArray points, nothing;
-  GlBuffer positions, normals, colours, radii;
+  GlBuffer positions, normals, colours, radii, texels, swatchS, swatchT;
+  std::optional<GlTexture> swatch;
+  glm::vec2 swatchSize{1};  // pixels
+  float longestStep = 0;
   std::unique_ptr<Targets> targets;
   GLsizei count = 0;
   Bounds bounds;
   float largestRadius = 0;
   float largestSprite = 0;
 
+  void setTexture(const SplatTexture* texture, std::size_t pointCount);
   bool fitSprites(const Camera& camera, float focal) const;
   void drawSplats(const Frame& frame, const Tile& tile, bool visibility) const;
   void drawTile(const Frame& frame, const Tile& tile);
 };
+
+// Needs the points' vertex array.
+void SplatRenderer::Pipeline::setTexture(const SplatTexture* texture, std::size_t pointCount) {
+  swatch.reset();
+  for (const GLuint attribute : {4u, 5u, 6u}) glDisableVertexAttribArray(attribute);
+  if (!texture) return;
+  DAPPLE_CHECK(texture->texel.size(), ==, pointCount);
+  DAPPLE_CHECK(texture->frame.size(), ==, pointCount);
+  std::vector<vec3> s(pointCount), t(pointCount);
+  for (std::size_t i = 0; i < pointCount; ++i) {
+    s[i] = texture->frame[i].s / texture->scale;
+    t[i] = texture->frame[i].t / texture->scale;
+  }
+  uploadColumn(4, texels, texture->texel);
+  uploadColumn(5, swatchS, s);
+  uploadColumn(6, swatchT, t);
+  swatch = makeSwatchTexture(texture->swatch);
+  swatchSize = {texture->swatch.width, texture->swatch.height};
+  longestStep = texture->longestStep;
+}
 
 // Sprites are quicker than quads, but only up to the driver's largest size.
 bool SplatRenderer::Pipeline::fitSprites(const Camera& camera, float focal) const {
@@ -148,6 +191,10 @@ void SplatRenderer::Pipeline::drawSplats(const Frame& frame, const Tile& tile,
   glUniform2fv(program.uniform("depthRange"), 1, glm::value_ptr(frame.depthRange));
   glUniform1f(program.uniform("lowPass"), frame.lowPass);
   glUniform1i(program.uniform("headlight"), frame.options.shading ? 1 : 0);
+  glUniform1f(program.uniform("longestStep"), swatch ? longestStep : -1.f);
+  glUniform1i(program.uniform("swatch"), 0);
+  glUniform2fv(program.uniform("swatchSize"), 1, glm::value_ptr(swatchSize));
+  if (swatch) glBindTexture(GL_TEXTURE_2D, swatch->id());
   glDrawArrays(GL_POINTS, 0, count);
 }
 
@@ -207,6 +254,7 @@ void SplatRenderer::update(const SplatColumns& columns) {
   uploadColumn(1, p.normals, columns.normals);
   uploadColumn(2, p.colours, columns.colours);
   uploadColumn(3, p.radii, columns.radii);
+  p.setTexture(columns.texture, n);
   glBindVertexArray(0);
   p.count = static_cast<GLsizei>(n);
   p.bounds = boundsOf(columns.positions);

@@ -8,9 +8,20 @@
 
 #include "app/render/camera.h"
 #include "base/types.h"
-#include "swatch/image.h"
+#include "points/point_set.h"
+#include "swatch/swatch.h"
 
 namespace dapple {
+
+// The swatch inside the splats: where the view magnifies it, a splat shows the swatch around its
+// texel instead of its colour; where it does not, the colours are smoother.
+struct SplatTexture {
+  const Swatch& swatch;
+  const std::vector<vec2>& texel;          // n, swatch pixels; NaN: this one shows its colour
+  const std::vector<TangentFrame>& frame;  // n, s and t are the swatch's axes
+  float scale;                             // local units per swatch pixel
+  float longestStep = 1.1f;  // swatch pixels from sample to sample; further away: its colour
+};
 
 // What is drawn: n elements a column, borrowed for the call of update() only. Points that are
 // near each other in this order (Morton order) are drawn up to twice as fast.
@@ -19,6 +30,7 @@ struct SplatColumns {
   const std::vector<vec3>& normals;  // either side counts as front; zero: faces the eye
   const std::vector<vec3>& colours;  // 0..1, drawn as they are
   const std::vector<float>& radii;   // local units, of the disc; 0: not drawn
+  const SplatTexture* texture = nullptr;
 };
 
 // Radii that leave no hole and yet blur little, from the side of the square of surface that each
