@@ -7,6 +7,11 @@
 #include <limits>
 
 namespace dapple {
+namespace {
+
+constexpr std::size_t kCheckpointEvery = 1024;  // steps
+
+}  // namespace
 
 void MaxFlow::reset(std::size_t nodes) {
   nodes_.assign(nodes, Node{});
@@ -174,9 +179,11 @@ void MaxFlow::adopt() {
   orphans_.clear();
 }
 
-std::int64_t MaxFlow::solve() {
+std::int64_t MaxFlow::solve(const Monitor* monitor) {
   startTrees();
+  std::size_t steps = 0;
   for (Index i = nextActive(); i != kNone;) {
+    if (monitor && ++steps % kCheckpointEvery == 0) monitor->checkpoint();
     const Index middle = grow(i);
     if (middle == kNone) {
       i = nextActive();
