@@ -45,6 +45,18 @@ void MaxFlow::wait(Index i) {
   queue_.push_back(i);
 }
 
+// Half of all paths have one arc only; no tree is needed for those.
+void MaxFlow::pushDirect() {
+  for (Index a = 0; a < arcs_.size(); ++a) {
+    Node &from = nodes_[tail(a)], &to = nodes_[arcs_[a].head];
+    if (from.rest <= 0 || to.rest >= 0) continue;
+    const std::int32_t least = std::min({from.rest, -to.rest, arcs_[a].rest});
+    from.rest -= least, to.rest += least;
+    arcs_[a].rest -= least, arcs_[a ^ 1].rest += least;
+    flow_ += least;
+  }
+}
+
 void MaxFlow::startTrees() {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     Node& node = nodes_[i];
@@ -180,6 +192,7 @@ void MaxFlow::adopt() {
 }
 
 std::int64_t MaxFlow::solve(const Monitor* monitor) {
+  pushDirect();
   startTrees();
   std::size_t steps = 0;
   for (Index i = nextActive(); i != kNone;) {

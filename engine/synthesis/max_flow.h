@@ -43,6 +43,7 @@ class MaxFlow {
   };
   static constexpr Index kTerminal = kNone - 1, kOrphan = kNone - 2;
 
+  void pushDirect();
   void startTrees();
   void wait(Index i);
   Index nextActive();

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <numeric>
 
 #include "base/errors.h"
 #include "synthesis/max_flow.h"
@@ -23,18 +24,18 @@ namespace {
 
 constexpr std::size_t kCheckpointEvery = 512;
 constexpr std::size_t kGrain = 2048;  // points
-constexpr float kSheetRadius = 16;    // pixels
-constexpr float kSeedSpacing = 12;    // of sheets along a seam, pixels
-constexpr std::uint32_t kRounds = 2;  // over all sheets, at most
+// Small sheets leave seams where they end; a second round over sheets of half this size gains what
+// the size does, at twice the cost.
+constexpr float kSheetRadius = 24;    // pixels
+constexpr float kSeedSpacing = 22;    // of sheets along a seam, pixels
 constexpr std::uint32_t kTurns = 64;  // in which sheets are cut; in the last one by one
 
 using Cost = std::int32_t;
 
 // Candidates of nodes around one of them that continue each other.
 struct Sheet {
-  std::size_t first, end;   // into SheetBuilder's members
-  std::uint32_t turn;       // sheets of the same turn do not touch (but in the last)
-  std::uint32_t tried = 0;  // clock of the last cut
+  std::size_t first, end;  // into SheetBuilder's members
+  std::uint32_t turn;      // sheets of the same turn do not touch (but in the last)
 };
 struct Member {
   Index node;
@@ -118,9 +119,8 @@ class SheetCut {
   SheetCut(const SeamGraph& graph, std::vector<std::uint8_t>& labels)
       : graph_(graph), labels_(labels), local_(graph.nodes(), kNone) {}
 
-  // The change of energy, <= 0; `changed` lists the nodes whose label was.
+  // The change of energy, <= 0.
   std::int64_t run(std::span<const Member> sheet, const Monitor& monitor) {
-    changed.clear();
     nodes_.clear();
     for (const Member& member : sheet) {
       if (labels_[member.node] == member.candidate) continue;
@@ -138,14 +138,10 @@ class SheetCut {
       if (!flow_.onSinkSide(pair.v) && !flow_.onSinkSide(pair.w)) change += pair.by;
     if (change >= 0) return 0;
     for (Index v = 0; v < nodes_.size(); ++v) {
-      if (!flow_.onSinkSide(v)) continue;
-      labels_[nodes_[v].node] = nodes_[v].take;
-      changed.push_back(nodes_[v].node);
+      if (flow_.onSinkSide(v)) labels_[nodes_[v].node] = nodes_[v].take;
     }
     return change;
   }
-
-  std::vector<Index> changed;
 
  private:
   struct Choice {
@@ -214,8 +210,7 @@ class Cutter {
   Cutter(const SeamGraph& graph, Monitor& monitor)
       : graph_(graph),
         monitor_(monitor),
-        labels_(graph.nodes(), 0),  // own, or nearest: candidates are sorted so
-        changedAt_(graph.nodes(), 0) {}
+        labels_(graph.nodes(), 0) {}  // own, or nearest: candidates are sorted so
 
   SeamStatistics run() {
     SeamStatistics statistics;
@@ -229,11 +224,8 @@ class Cutter {
       turns[sheet.turn].push_back(sheet);
     }
     std::int64_t now = before;
-    for (std::uint32_t round = 0; round < kRounds; ++round) {
-      const std::int64_t atStart = now;
-      for (std::vector<Sheet>& turn : turns) now += cutAll(turn, statistics);
-      if (now == atStart) break;
-    }
+    for (const std::vector<Sheet>& turn : turns) now += cutAll(turn);
+    statistics.moves = builder.sheets.size();
     DAPPLE_CHECK(now, ==, energy());
     statistics.energyBefore = static_cast<double>(before) / kSeamCost;
     statistics.energyAfter = static_cast<double>(now) / kSeamCost;
@@ -255,28 +247,20 @@ class Cutter {
   }
 
   // The change of energy.
-  std::int64_t cutAll(std::vector<Sheet>& sheets, SeamStatistics& statistics) {
-    ++clock_;
+  std::int64_t cutAll(const std::vector<Sheet>& sheets) {
     const bool apart = sheets.front().turn + 1 < kTurns;
     const std::size_t tasks = apart ? sheets.size() : 1, perTask = apart ? 1 : sheets.size();
     std::vector<std::int64_t> change(sheets.size(), 0);
-    std::vector<std::uint8_t> moved(sheets.size(), 0);
     monitor_.workers().run(tasks, [&](std::size_t task) {
       std::unique_ptr<SheetCut> cut = takeCut();
       for (std::size_t s = task * perTask; s < (task + 1) * perTask; ++s) {
         monitor_.checkpoint();
-        if (!worthwhile(sheets[s])) continue;
-        moved[s] = 1;
-        sheets[s].tried = clock_;
         change[s] = cut->run(membersOf(sheets[s]), monitor_);
-        for (const Index u : cut->changed) changedAt_[u] = clock_;
       }
       const std::lock_guard lock(mutex_);
       idle_.push_back(std::move(cut));
     });
-    std::int64_t sum = 0;
-    for (std::size_t s = 0; s < sheets.size(); ++s) sum += change[s], statistics.moves += moved[s];
-    return sum;
+    return std::accumulate(change.begin(), change.end(), std::int64_t{0});
   }
 
   // Working memory of a thread; which one a sheet gets makes no difference.
@@ -292,20 +276,10 @@ class Cutter {
     return {members_.data() + sheet.first, sheet.end - sheet.first};
   }
 
-  // Cut before, and nothing has changed there since by another.
-  bool worthwhile(const Sheet& sheet) const {
-    if (sheet.tried == 0) return true;
-    const auto members = membersOf(sheet);
-    return std::any_of(members.begin(), members.end(),
-                       [&](const Member& m) { return changedAt_[m.node] > sheet.tried; });
-  }
-
   const SeamGraph& graph_;
   Monitor& monitor_;
-  std::vector<std::uint8_t> labels_;      // by node
-  std::vector<std::uint32_t> changedAt_;  // by node
+  std::vector<std::uint8_t> labels_;  // by node
   std::vector<Member> members_;
-  std::uint32_t clock_ = 0;
   std::mutex mutex_;
   std::vector<std::unique_ptr<SheetCut>> idle_;
 };

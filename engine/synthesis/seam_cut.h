@@ -13,7 +13,7 @@ struct SeamStatistics {
   // layouts at both points, and a little for distortion; 0..1 per colour channel.
   double energyBefore = 0;   // every point in the nearest patch
   double energyAfter = 0;    // never more
-  std::size_t moves = 0;     // cuts computed
+  std::size_t moves = 0;     // sheets that were cut
   std::size_t changed = 0;   // points that are not in the nearest patch
   std::size_t stranded = 0;  // gap points that no patch reaches: they copy a neighbour
 };
