@@ -47,7 +47,8 @@ class FrameSpreader {
         sites_(map.state.size()),
         key_(map.state.size(), 0) {
     for (Index i = 0; i < sites_.size(); ++i) {
-      sites_[i].position = input.points.positions[i], sites_[i].normal = input.points.normals[i];
+      sites_[i].position = input.chart ? (*input.chart)[i] : input.points.positions[i],
+      sites_[i].normal = input.points.normals[i];
       sites_[i].n = map.frame[i].n, sites_[i].t = map.frame[i].t;
       sites_[i].patch = map.state[i] == PointState::Patch ? map.patch[i] : kNone;
     }
@@ -120,11 +121,17 @@ HybridStatistics synthesizeHybrid(const SynthesisInput& input, const HybridOptio
                                   SourceMap& map, Monitor& monitor) {
   validate(options);
   HybridStatistics statistics;
-  statistics.patches = growPatches(input, options.patches, map, monitor);
+  std::vector<vec3> chart;
+  SynthesisInput charted = input;
+  if (!input.chart && options.patches.smooth) {
+    chart = smoothedPositions(input.points, input.neighborhoods, monitor);
+    charted.chart = &chart;
+  }
+  statistics.patches = growPatches(charted, options.patches, map, monitor);
   if (options.gaps == GapFill::Match)
-    fillByMatching(input, options, map, statistics, monitor);
+    fillByMatching(charted, options, map, statistics, monitor);
   else
-    fillByCutting(input, options, map, statistics, monitor);
+    fillByCutting(charted, options, map, statistics, monitor);
   return statistics;
 }
 

@@ -12,10 +12,10 @@
 #include <bit>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <numeric>
 
 #include "base/errors.h"
+#include "base/scratch_pool.h"
 #include "synthesis/max_flow.h"
 #include "synthesis/seam_graph.h"
 
@@ -210,7 +210,8 @@ class Cutter {
   Cutter(const SeamGraph& graph, Monitor& monitor)
       : graph_(graph),
         monitor_(monitor),
-        labels_(graph.nodes(), 0) {}  // own, or nearest: candidates are sorted so
+        labels_(graph.nodes(), 0),  // own, or nearest: candidates are sorted so
+        cuts_([this] { return std::make_unique<SheetCut>(graph_, labels_); }) {}
 
   SeamStatistics run() {
     SeamStatistics statistics;
@@ -252,24 +253,14 @@ class Cutter {
     const std::size_t tasks = apart ? sheets.size() : 1, perTask = apart ? 1 : sheets.size();
     std::vector<std::int64_t> change(sheets.size(), 0);
     monitor_.workers().run(tasks, [&](std::size_t task) {
-      std::unique_ptr<SheetCut> cut = takeCut();
-      for (std::size_t s = task * perTask; s < (task + 1) * perTask; ++s) {
-        monitor_.checkpoint();
-        change[s] = cut->run(membersOf(sheets[s]), monitor_);
-      }
-      const std::lock_guard lock(mutex_);
-      idle_.push_back(std::move(cut));
+      cuts_.use([&](SheetCut& cut) {
+        for (std::size_t s = task * perTask; s < (task + 1) * perTask; ++s) {
+          monitor_.checkpoint();
+          change[s] = cut.run(membersOf(sheets[s]), monitor_);
+        }
+      });
     });
     return std::accumulate(change.begin(), change.end(), std::int64_t{0});
-  }
-
-  // Working memory of a thread; which one a sheet gets makes no difference.
-  std::unique_ptr<SheetCut> takeCut() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return std::make_unique<SheetCut>(graph_, labels_);
-    std::unique_ptr<SheetCut> cut = std::move(idle_.back());
-    idle_.pop_back();
-    return cut;
   }
 
   std::span<const Member> membersOf(const Sheet& sheet) const {
@@ -280,8 +271,7 @@ class Cutter {
   Monitor& monitor_;
   std::vector<std::uint8_t> labels_;  // by node
   std::vector<Member> members_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<SheetCut>> idle_;
+  ScratchPool<SheetCut> cuts_;
 };
 
 void writeLabels(const PatchOverlap& overlap, const SeamGraph& graph,
