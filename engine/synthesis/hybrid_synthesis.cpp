@@ -117,6 +117,10 @@ void validate(const HybridOptions& options) {
 
 }  // namespace
 
+std::size_t hybridPasses(GapFill gaps) {
+  return gaps == GapFill::Cut ? 4 : 2;  // growth; overlap, placement, cut; matching
+}
+
 HybridStatistics synthesizeHybrid(const SynthesisInput& input, const HybridOptions& options,
                                   SourceMap& map, Monitor& monitor) {
   validate(options);

@@ -27,6 +27,9 @@ struct HybridStatistics {
   SeamStatistics seams;
 };
 
+// How often synthesizeHybrid() counts every point (Match: gap points only, after the first time).
+std::size_t hybridPasses(GapFill gaps);
+
 // Writes every column of `map` for every point. States: Patch; Match: Matched for gap points; Cut:
 // Gap for points that growth left, whichever patch they now belong to. Throws InvalidInput (options
 // out of range), Cancelled.

@@ -46,8 +46,10 @@ class OverlapGrower {
       if (atBorder(static_cast<Index>(i)))
         spread(static_cast<Index>(i), static_cast<Index>(i), steps);
     });
-    for (std::size_t b = 0; b < buckets_.size(); ++b)
+    for (std::size_t b = 0; b < buckets_.size(); ++b) {
       while (!buckets_[b].empty()) wave(std::exchange(buckets_[b], {}), b);
+      monitor_.advance(pointsOfStep(n, b, buckets_.size()));
+    }
     return collected();
   }
 

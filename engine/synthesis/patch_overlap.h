@@ -27,7 +27,8 @@ inline constexpr float kCoherentPixels = 1.5f;  // places further apart belong t
 vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit);
 
 // Grows over at most `overlap` pixels. `map` as growPatches() leaves it. Gap points that no patch
-// reaches have no candidate. Throws Cancelled.
+// reaches have no candidate. Counts every point once. The same bytes at any number of threads. Throws
+// Cancelled.
 PatchOverlap growOverlap(const SynthesisInput& input, const SourceMap& map, float overlap,
                          Monitor& monitor);
 

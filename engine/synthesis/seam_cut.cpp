@@ -224,9 +224,9 @@ class Cutter {
       if (sheet.turn >= turns.size()) turns.resize(sheet.turn + 1);
       turns[sheet.turn].push_back(sheet);
     }
+    statistics.moves = sheetCount_ = builder.sheets.size();
     std::int64_t now = before;
     for (const std::vector<Sheet>& turn : turns) now += cutAll(turn);
-    statistics.moves = builder.sheets.size();
     DAPPLE_CHECK(now, ==, energy());
     statistics.energyBefore = static_cast<double>(before) / kSeamCost;
     statistics.energyAfter = static_cast<double>(now) / kSeamCost;
@@ -257,9 +257,11 @@ class Cutter {
         for (std::size_t s = task * perTask; s < (task + 1) * perTask; ++s) {
           monitor_.checkpoint();
           change[s] = cut.run(membersOf(sheets[s]), monitor_);
+          monitor_.advance(pointsOfStep(graph_.nodes(), done_ + s, sheetCount_));
         }
       });
     });
+    done_ += sheets.size();
     return std::accumulate(change.begin(), change.end(), std::int64_t{0});
   }
 
@@ -271,6 +273,7 @@ class Cutter {
   Monitor& monitor_;
   std::vector<std::uint8_t> labels_;  // by node
   std::vector<Member> members_;
+  std::size_t done_ = 0, sheetCount_ = 0;
   ScratchPool<SheetCut> cuts_;
 };
 
@@ -333,6 +336,7 @@ std::size_t copyNeighbours(const SynthesisInput& input, const SeamGraph& graph, 
 SeamStatistics cutSeams(const SynthesisInput& input, const PatchOverlap& overlap, SourceMap& map,
                         Monitor& monitor) {
   const SeamGraph graph = buildSeamGraph(input, overlap, map, monitor);
+  monitor.advance(input.points.size() - graph.nodes());
   Cutter cutter(graph, monitor);
   SeamStatistics statistics = cutter.run();
   writeLabels(overlap, graph, cutter.labels(), map);

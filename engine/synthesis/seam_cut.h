@@ -21,8 +21,8 @@ struct SeamStatistics {
 // Gives every point with several candidates one of them, so that colours change little where the
 // layout jumps: a minimum cut for one local sheet of candidates after the other, as long as the
 // energy falls. Writes texel, patch, domain, frame, error and colour; states stay. Candidates
-// outside a swatch that does not tile, or on transparent texels, are not used. Throws Cancelled;
-// then the map is as it was.
+// outside a swatch that does not tile, or on transparent texels, are not used. Counts every point
+// once. The same bytes at any number of threads. Throws Cancelled; then the map is as it was.
 SeamStatistics cutSeams(const SynthesisInput& input, const PatchOverlap& overlap, SourceMap& map,
                         Monitor& monitor);
 
