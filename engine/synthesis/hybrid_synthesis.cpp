@@ -3,8 +3,7 @@
 // Departures: Match needs axes at gap points, of which the paper says nothing: those of the
 // neighbouring points of the dominant patch, averaged in the queue's order. Cut replaces the
 // paper's second half (methods: section 4): a gap 3 pixels wide cannot mend a pattern that breaks
-// off at it, whatever fills it. Matching again in a band along the cuts (methods: section 4) is not
-// done: its candidates are the same sheets that the cut has chosen from.
+// off at it, whatever fills it.
 #include "synthesis/hybrid_synthesis.h"
 
 #include <algorithm>
@@ -107,6 +106,8 @@ void fillByCutting(const SynthesisInput& input, const HybridOptions& options, So
   const PatchOverlap overlap = growOverlap(input, map, options.overlap, monitor);
   statistics.movedPatches = placePatches(input, overlap, map, monitor);
   statistics.seams = cutSeams(input, overlap, map, monitor);
+  if (options.band.width > 0)
+    statistics.matchedAgain = matchBand(input, options.band, map, monitor);
 }
 
 void validate(const HybridOptions& options) {
