@@ -4,7 +4,6 @@
 #include "synthesis/patch_overlap.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -250,16 +249,6 @@ class OverlapGrower {
 };
 
 }  // namespace
-
-vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit) {
-  // As in chart_fit.cpp: the step along the plane, stretched to its length in space.
-  const vec3 step = position - from.position;
-  const vec3 s = glm::cross(from.t, from.n);
-  const float along = glm::dot(step, s), up = glm::dot(step, from.t);
-  const float flat2 = along * along + up * up, length2 = glm::dot(step, step);
-  if (!(flat2 > 1e-4f * length2)) return from.q;
-  return from.q + std::sqrt(length2 / flat2) / unit * vec2(along, -up);
-}
 
 PatchOverlap growOverlap(const SynthesisInput& input, const SourceMap& map, float overlap,
                          Monitor& monitor) {
