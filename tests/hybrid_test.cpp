@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "base/errors.h"
 #include "fixtures.h"
@@ -152,6 +154,45 @@ TEST_CASE("hybrid: the result is the same at any number of threads") {
       CHECK(more.error == one.error);
     }
   }
+}
+
+TEST_CASE("hybrid: a stop in the middle of any stage acts at once") {
+  using Clock = std::chrono::steady_clock;
+  const Scene scene{fixtures::makeSphere(60000, 1),
+                    fixtures::swatchOf(fixtures::noise(48), Tileable::No)};
+  Workers workers(2);
+  int stopped = 0;
+  for (const int milliseconds : {1, 60, 100, 140, 180, 220}) {
+    std::stop_source stop;
+    Monitor monitor(workers, stop.get_token());
+    SourceMap map = emptySourceMap(scene.points.size(), scene.unit);
+    Clock::time_point asked;
+    const std::jthread user([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+      asked = Clock::now();
+      stop.request_stop();
+    });
+    try {
+      synthesizeHybrid(scene.input, {}, map, monitor);
+    } catch (const Cancelled&) {
+      ++stopped;
+      CHECK(std::chrono::duration<double>(Clock::now() - asked).count() < 0.1);
+    }
+  }
+  CHECK(stopped > 0);
+}
+
+TEST_CASE("hybrid: progress ends at the end, each point counted as often as said") {
+  const Scene scene = sphere(fixtures::swatchOf(fixtures::noise(48), Tileable::No));
+  Workers workers(1);
+  double last = 0;
+  Monitor monitor(workers, {}, {.progress = [&](const Progress& p) { last = p.fraction; }});
+  const std::size_t passes = hybridPasses(GapFill::Cut);
+  monitor.begin(Stage::Synthesis, scene.points.size(), passes);
+  SourceMap map = emptySourceMap(scene.points.size(), scene.unit);
+  synthesizeHybrid(scene.input, {}, map, monitor);
+  monitor.advance(512);  // growth counts in steps of as many
+  CHECK(last == 1);
 }
 
 TEST_CASE("hybrid: it can be stopped, and refuses options out of range") {

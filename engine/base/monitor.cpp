@@ -40,11 +40,12 @@ void Monitor::checkpoint() const {
   if (cancelled()) throw Cancelled();
 }
 
-void Monitor::begin(Stage stage, std::size_t points) {
+void Monitor::begin(Stage stage, std::size_t points, std::size_t passes) {
   checkpoint();
   const std::lock_guard lock(mutex_);
   stage_ = stage;
-  total_ = points;
+  total_ = points * passes;
+  passes_ = passes;
   done_ = 0;
   stageStart_ = Clock::now();
   report();
@@ -76,7 +77,7 @@ void Monitor::report() {
   if (total_ > 0) {
     progress.fraction = std::min(1.0, done / static_cast<double>(total_));
     if (seconds > 0.02 && done > 0) {
-      progress.pointsPerSecond = done / seconds;
+      progress.pointsPerSecond = done / static_cast<double>(passes_) / seconds;
       progress.secondsLeft = seconds * (1 - progress.fraction) / progress.fraction;
     }
   }

@@ -47,8 +47,9 @@ class Monitor {
   bool cancelled() const { return stop_.stop_requested(); }
   void checkpoint() const;  // throws Cancelled
 
-  // Starts a stage of `points` points (0: no rate is shown).
-  void begin(Stage stage, std::size_t points);
+  // Starts a stage of `points` points (0: no rate is shown), each of which is counted `passes`
+  // times.
+  void begin(Stage stage, std::size_t points, std::size_t passes = 1);
   // `points` more are done. Throws Cancelled.
   void advance(std::size_t points);
 
@@ -65,11 +66,16 @@ class Monitor {
   MonitorCallbacks callbacks_;
   std::mutex mutex_;
   Stage stage_ = Stage::Load;
-  std::size_t total_ = 0;
+  std::size_t total_ = 0, passes_ = 1;
   Clock::time_point stageStart_, lastPreview_;
   std::atomic<std::size_t> done_{0};
   std::atomic<std::int64_t> nextReport_{0};
 };
+
+// How many of `points` to advance by for step i of `steps`, so that they add up to all.
+inline std::size_t pointsOfStep(std::size_t points, std::size_t i, std::size_t steps) {
+  return points * (i + 1) / steps - points * i / steps;
+}
 
 // Calls body(begin, end) over [0, count) in chunks of `grain`, in parallel, with a checkpoint and,
 // if `counted`, an advance() per chunk. The chunks do not depend on the number of threads.

@@ -3,8 +3,7 @@
 // Departures: Match needs axes at gap points, of which the paper says nothing: those of the
 // neighbouring points of the dominant patch, averaged in the queue's order. Cut replaces the
 // paper's second half (methods: section 4): a gap 3 pixels wide cannot mend a pattern that breaks
-// off at it, whatever fills it. Matching again in a band along the cuts (methods: section 4) is not
-// done: its candidates are the same sheets that the cut has chosen from.
+// off at it, whatever fills it.
 #include "synthesis/hybrid_synthesis.h"
 
 #include <algorithm>
@@ -47,7 +46,8 @@ class FrameSpreader {
         sites_(map.state.size()),
         key_(map.state.size(), 0) {
     for (Index i = 0; i < sites_.size(); ++i) {
-      sites_[i].position = input.points.positions[i], sites_[i].normal = input.points.normals[i];
+      sites_[i].position = input.chart ? (*input.chart)[i] : input.points.positions[i],
+      sites_[i].normal = input.points.normals[i];
       sites_[i].n = map.frame[i].n, sites_[i].t = map.frame[i].t;
       sites_[i].patch = map.state[i] == PointState::Patch ? map.patch[i] : kNone;
     }
@@ -106,6 +106,8 @@ void fillByCutting(const SynthesisInput& input, const HybridOptions& options, So
   const PatchOverlap overlap = growOverlap(input, map, options.overlap, monitor);
   statistics.movedPatches = placePatches(input, overlap, map, monitor);
   statistics.seams = cutSeams(input, overlap, map, monitor);
+  if (options.band.width > 0)
+    statistics.matchedAgain = matchBand(input, options.band, map, monitor);
 }
 
 void validate(const HybridOptions& options) {
@@ -116,15 +118,25 @@ void validate(const HybridOptions& options) {
 
 }  // namespace
 
+std::size_t hybridPasses(GapFill gaps) {
+  return gaps == GapFill::Cut ? 4 : 2;  // growth; overlap, placement, cut; matching
+}
+
 HybridStatistics synthesizeHybrid(const SynthesisInput& input, const HybridOptions& options,
                                   SourceMap& map, Monitor& monitor) {
   validate(options);
   HybridStatistics statistics;
-  statistics.patches = growPatches(input, options.patches, map, monitor);
+  std::vector<vec3> chart;
+  SynthesisInput charted = input;
+  if (!input.chart && options.patches.smooth) {
+    chart = smoothedPositions(input.points, input.neighborhoods, monitor);
+    charted.chart = &chart;
+  }
+  statistics.patches = growPatches(charted, options.patches, map, monitor);
   if (options.gaps == GapFill::Match)
-    fillByMatching(input, options, map, statistics, monitor);
+    fillByMatching(charted, options, map, statistics, monitor);
   else
-    fillByCutting(input, options, map, statistics, monitor);
+    fillByCutting(charted, options, map, statistics, monitor);
   return statistics;
 }
 

@@ -7,6 +7,11 @@
 #include <limits>
 
 namespace dapple {
+namespace {
+
+constexpr std::size_t kCheckpointEvery = 1024;  // steps
+
+}  // namespace
 
 void MaxFlow::reset(std::size_t nodes) {
   nodes_.assign(nodes, Node{});
@@ -38,6 +43,18 @@ void MaxFlow::wait(Index i) {
   if (nodes_[i].waiting) return;
   nodes_[i].waiting = true;
   queue_.push_back(i);
+}
+
+// Half of all paths have one arc only; no tree is needed for those.
+void MaxFlow::pushDirect() {
+  for (Index a = 0; a < arcs_.size(); ++a) {
+    Node &from = nodes_[tail(a)], &to = nodes_[arcs_[a].head];
+    if (from.rest <= 0 || to.rest >= 0) continue;
+    const std::int32_t least = std::min({from.rest, -to.rest, arcs_[a].rest});
+    from.rest -= least, to.rest += least;
+    arcs_[a].rest -= least, arcs_[a ^ 1].rest += least;
+    flow_ += least;
+  }
 }
 
 void MaxFlow::startTrees() {
@@ -174,9 +191,12 @@ void MaxFlow::adopt() {
   orphans_.clear();
 }
 
-std::int64_t MaxFlow::solve() {
+std::int64_t MaxFlow::solve(const Monitor* monitor) {
+  pushDirect();
   startTrees();
+  std::size_t steps = 0;
   for (Index i = nextActive(); i != kNone;) {
+    if (monitor && ++steps % kCheckpointEvery == 0) monitor->checkpoint();
     const Index middle = grow(i);
     if (middle == kNone) {
       i = nextActive();

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/types.h"
+#include "base/monitor.h"
 
 namespace dapple {
 
@@ -21,8 +21,8 @@ class MaxFlow {
   // Cost of i on the source's and j on the sink's side, and the other way round, >= 0.
   void addEdge(Index i, Index j, std::int32_t forward, std::int32_t backward);
 
-  // The cost of a cheapest cut.
-  std::int64_t solve();
+  // The cost of a cheapest cut. With a monitor it throws Cancelled.
+  std::int64_t solve(const Monitor* monitor = nullptr);
   // After solve(): the side of i in a cheapest cut, the one with fewest nodes on the sink's side.
   bool onSinkSide(Index i) const { return nodes_[i].side == Side::Sink; }
 
@@ -43,6 +43,7 @@ class MaxFlow {
   };
   static constexpr Index kTerminal = kNone - 1, kOrphan = kNone - 2;
 
+  void pushDirect();
   void startTrees();
   void wait(Index i);
   Index nextActive();

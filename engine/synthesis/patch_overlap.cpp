@@ -4,87 +4,107 @@
 #include "synthesis/patch_overlap.h"
 
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "base/errors.h"
+#include "base/scratch_pool.h"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kCheckpointEvery = 512;
-constexpr std::size_t kSteps = 10;       // nearest neighbours that growth steps to
-constexpr std::size_t kFitted = 12;      // nearest neighbours that lay a point out
+constexpr std::size_t kGrain = 1024;     // points
+constexpr std::size_t kStepGrain = 128;  // steps
+constexpr std::size_t kSteps = 8;        // nearest neighbours that growth steps to
+constexpr std::size_t kFitted = 10;      // nearest neighbours that lay a point out
 constexpr float kSteepest = 2;           // steps in the domain are at most so many times as long
 constexpr std::size_t kMostOfPoint = 6;  // candidates
 constexpr std::size_t kFewest = 3;       // contributors that must agree
-constexpr std::size_t kBucketsPerPixel = 8;
+constexpr float kBucketsPerPixel = 4;
 
+// Growth goes by waves: all steps of one bucket, of several to the same point the first. Steps of
+// a wave see what was there before it and nothing of each other.
 class OverlapGrower {
  public:
   OverlapGrower(const SynthesisInput& input, const SourceMap& map, float overlap, Monitor& monitor)
       : input_(input),
+        positions_(input.chart ? *input.chart : input.points.positions),
+        map_(map),
         monitor_(monitor),
         overlap_(overlap),
         steps_(std::min(kSteps, input.neighborhoods.k)),
         fitted_(std::min(kFitted, input.neighborhoods.k)),
-        fit_(fitted_ * kMostOfPoint, input.unit),
-        buckets_(static_cast<std::size_t>(overlap * kBucketsPerPixel) + 1) {
-    const std::size_t n = input.points.size();
-    sites_.reserve(n + n / 2);
-    sites_.resize(n);
-    next_.assign(n, kNone);
-    reach_.assign(n, 0);
-    distortion_ = map.error;
-    for (std::size_t i = 0; i < n; ++i) {
-      ChartSite& site = sites_[i];
-      site.position = input.points.positions[i], site.normal = input.points.normals[i];
-      site.n = map.frame[i].n, site.t = map.frame[i].t, site.q = map.domain[i];
-      site.patch = map.state[i] == PointState::Patch ? map.patch[i] : kNone;
-    }
-  }
+        buckets_(static_cast<std::size_t>(overlap * kBucketsPerPixel) + 1),
+        fits_([this] { return std::make_unique<ChartFit>(fitted_ * kMostOfPoint, input_.unit); }) {}
 
   PatchOverlap run() {
+    makeSites();
     const std::size_t n = input_.points.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (atBorder(static_cast<Index>(i))) spread(static_cast<Index>(i), static_cast<Index>(i));
-      if (i % kCheckpointEvery == 0) monitor_.checkpoint();
-    }
-    std::size_t done = 0;
-    for (auto& bucket : buckets_) {
-      for (std::size_t e = 0; e < bucket.size(); ++e) {
-        visit(Step(bucket[e]));
-        if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
-      }
-      bucket = {};
+    spreadAll(n, kGrain, [&](std::size_t i, std::vector<Step>& steps) {
+      if (atBorder(static_cast<Index>(i)))
+        spread(static_cast<Index>(i), static_cast<Index>(i), steps);
+    });
+    for (std::size_t b = 0; b < buckets_.size(); ++b) {
+      while (!buckets_[b].empty()) wave(std::exchange(buckets_[b], {}), b);
+      monitor_.advance(pointsOfStep(n, b, buckets_.size()));
     }
     return collected();
   }
 
  private:
   struct Step {
-    Index to, from;  // a point, and the candidate of a neighbour that it is reached by
+    Index to, patch;
+    vec2 q;  // where the candidate that is stepped from puts the point
     float reach;
   };
+  struct Place {  // of a candidate: what most questions are about
+    vec2 q;
+    Index patch;
+    Index next = kNone;  // candidate of the same point
+  };
+
+  void makeSites() {
+    const std::size_t n = input_.points.size();
+    sites_.reserve(n + n);
+    places_.reserve(n + n);
+    sites_.resize(n);
+    places_.resize(n);
+    count_.assign(n, 1);
+    wave_.assign(n, 0);
+    reach_.assign(n, 0);
+    distortion_ = map_.error;
+    parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        ChartSite& site = sites_[i];
+        site.position = positions_[i], site.normal = input_.points.normals[i];
+        site.n = map_.frame[i].n, site.t = map_.frame[i].t, site.q = map_.domain[i];
+        site.patch = map_.state[i] == PointState::Patch ? map_.patch[i] : kNone;
+        places_[i] = {site.q, site.patch};
+      }
+    });
+  }
 
   bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
 
   // True for a patch point with a neighbour that is not plainly next to it in the patch.
   bool atBorder(Index i) const {
-    const ChartSite& site = sites_[i];
-    if (site.patch == kNone) return false;
+    const Place& place = places_[i];
+    if (place.patch == kNone) return false;
     const auto near = input_.neighborhoods.of(i);
     const float within =
         kCoherentPixels + input_.neighborhoods.distancesOf(i)[steps_ - 1] / input_.unit;
-    for (std::size_t s = 0; s < steps_; ++s)
-      if (sites_[near[s]].patch != site.patch || !nearPlaces(sites_[near[s]].q, site.q, within))
-        return true;
+    for (std::size_t s = 0; s < steps_; ++s) {
+      const Place& other = places_[near[s]];
+      if (other.patch != place.patch || !nearPlaces(other.q, place.q, within)) return true;
+    }
     return false;
   }
 
   // True when point i has a candidate of the patch at q.
   bool has(Index i, Index patch, vec2 q) const {
-    for (Index c = i; c != kNone; c = next_[c])
-      if (sites_[c].patch == patch && nearPlaces(sites_[c].q, q, kCoherentPixels)) return true;
+    for (Index c = i; c != kNone; c = places_[c].next)
+      if (places_[c].patch == patch && nearPlaces(places_[c].q, q, kCoherentPixels)) return true;
     return false;
   }
 
@@ -93,8 +113,20 @@ class OverlapGrower {
     return x * x + y * y < pixels * pixels;
   }
 
-  // Neighbours of point i that candidate c of it does not go on into.
-  void spread(Index i, Index c) {
+  // Puts the steps that body(i, steps) finds for i < count into the buckets, in the order of i.
+  template <class Body>
+  void spreadAll(std::size_t count, std::size_t grain, Body body) {
+    std::vector<std::vector<Step>> found((count + grain - 1) / grain);
+    parallelFor(monitor_, count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i, found[begin / grain]);
+    });
+    for (const std::vector<Step>& steps : found)
+      for (const Step& step : steps)
+        buckets_[static_cast<std::size_t>(step.reach * kBucketsPerPixel)].push_back(step);
+  }
+
+  // Steps to neighbours of point i that candidate c of it does not go on into.
+  void spread(Index i, Index c, std::vector<Step>& steps) const {
     const ChartSite& from = sites_[c];
     const auto near = input_.neighborhoods.of(i);
     const auto distances = input_.neighborhoods.distancesOf(i);
@@ -103,95 +135,120 @@ class OverlapGrower {
       const float reach = reach_[c] + distances[s] / input_.unit;
       if (!(reach <= overlap_)) return;
       if (!sameSide(i, j)) continue;
-      if (has(j, from.patch, carriedPlace(from, sites_[j].position, input_.unit))) continue;
-      buckets_[static_cast<std::size_t>(reach * kBucketsPerPixel)].push_back({j, c, reach});
+      const vec2 q = carriedPlace(from, sites_[j].position, input_.unit);
+      if (!has(j, from.patch, q)) steps.push_back({j, from.patch, q, reach});
     }
   }
 
-  void visit(const Step& step) {
-    const ChartSite& from = sites_[step.from];
-    const vec2 q = carriedPlace(from, sites_[step.to].position, input_.unit);
-    if (has(step.to, from.patch, q)) return;
-    gather(step.to, from.patch, q);
-    fit_.keepNear(q, kCoherentPixels);
-    if (fit_.size() < kFewest) return;
-    const ChartPoint fitted = fit_.average();
-    if (!has(step.to, from.patch, fitted.q)) add(step, from.patch, fitted);
+  void wave(std::vector<Step> steps, std::size_t bucket) {
+    ++clock_;
+    std::erase_if(steps, [&](const Step& step) {
+      if (std::exchange(wave_[step.to], clock_) != clock_) return false;
+      buckets_[bucket].push_back(step);
+      return true;
+    });
+    std::vector<std::optional<ChartPoint>> fitted(steps.size());
+    parallelFor(monitor_, steps.size(), kStepGrain, [&](std::size_t begin, std::size_t end) {
+      fits_.use([&](ChartFit& fit) {
+        for (std::size_t s = begin; s < end; ++s) fitted[s] = visit(steps[s], fit);
+      });
+    });
+    std::vector<std::pair<Index, Index>> added;  // point, candidate
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      if (!fitted[s] || count_[steps[s].to] == kMostOfPoint) continue;
+      added.push_back({steps[s].to, static_cast<Index>(sites_.size())});
+      add(steps[s], *fitted[s]);
+    }
+    spreadAll(added.size(), kStepGrain, [&](std::size_t a, std::vector<Step>& out) {
+      spread(added[a].first, added[a].second, out);
+    });
   }
 
-  // Contributors of the patch that may place point i near q.
-  void gather(Index i, Index patch, vec2 q) {
-    const auto near = input_.neighborhoods.of(i);
-    const auto distances = input_.neighborhoods.distancesOf(i);
-    fit_.begin(sites_[i].position);
+  std::optional<ChartPoint> visit(const Step& step, ChartFit& fit) const {
+    if (has(step.to, step.patch, step.q)) return std::nullopt;
+    gather(step, fit);
+    fit.keepNear(step.q, kCoherentPixels);
+    if (fit.size() < kFewest) return std::nullopt;
+    const ChartPoint fitted = fit.average();
+    if (has(step.to, step.patch, fitted.q)) return std::nullopt;
+    return fitted;
+  }
+
+  // Contributors that may place the point near where the step does.
+  void gather(const Step& step, ChartFit& fit) const {
+    const auto near = input_.neighborhoods.of(step.to);
+    const auto distances = input_.neighborhoods.distancesOf(step.to);
+    const vec3 normal = sites_[step.to].normal;
+    fit.begin(sites_[step.to].position);
     for (std::size_t s = 0; s < fitted_; ++s) {
       const Index j = near[s];
       const float within = kSteepest * distances[s] / input_.unit + kCoherentPixels;
-      for (Index c = j; c != kNone; c = next_[c])
-        if (sites_[c].patch == patch && nearPlaces(sites_[c].q, q, within) && sameSide(i, j))
-          fit_.add(sites_[c]);
+      for (Index c = j; c != kNone; c = places_[c].next)
+        if (places_[c].patch == step.patch && nearPlaces(places_[c].q, step.q, within) &&
+            glm::dot(normal, sites_[c].normal) > 0)
+          fit.add(sites_[c]);
     }
-    fit_.finish();
+    fit.finish();
   }
 
-  void add(const Step& step, Index patch, const ChartPoint& fitted) {
+  void add(const Step& step, const ChartPoint& fitted) {
     Index last = step.to;
-    for (std::size_t count = 1; next_[last] != kNone; last = next_[last])
-      if (++count == kMostOfPoint) return;
-    const Index c = static_cast<Index>(sites_.size());
+    while (places_[last].next != kNone) last = places_[last].next;
+    places_[last].next = static_cast<Index>(sites_.size());
+    ++count_[step.to];
     ChartSite site = sites_[step.to];
-    site.q = fitted.q, site.patch = patch;
+    site.q = fitted.q, site.patch = step.patch;
     site.n = fitted.frame.n, site.t = fitted.frame.t;
     sites_.push_back(site);
-    next_.push_back(kNone);
+    places_.push_back({fitted.q, step.patch});
     reach_.push_back(step.reach);
     distortion_.push_back(fitted.distortion);
-    next_[last] = c;
-    spread(step.to, c);
   }
 
+  // Points come with one candidate of no patch, which counts for nothing.
   PatchOverlap collected() const {
     PatchOverlap overlap;
     const std::size_t n = input_.points.size();
+    overlap.offset.assign(1, 0);
     overlap.offset.reserve(n + 1);
-    overlap.site.reserve(sites_.size());
-    overlap.distortion.reserve(sites_.size());
-    overlap.reach.reserve(sites_.size());
-    for (std::size_t i = 0; i < n; ++i) {
-      overlap.offset.push_back(static_cast<Index>(overlap.site.size()));
-      for (Index c = static_cast<Index>(i); c != kNone; c = next_[c]) {
-        if (sites_[c].patch == kNone) continue;
-        overlap.site.push_back(sites_[c]);
-        overlap.distortion.push_back(distortion_[c]);
-        overlap.reach.push_back(reach_[c]);
+    for (std::size_t i = 0; i < n; ++i)
+      overlap.offset.push_back(overlap.offset.back() + count_[i] -
+                               (places_[i].patch == kNone ? 1 : 0));
+    overlap.site.resize(overlap.offset[n]);
+    overlap.distortion.resize(overlap.offset[n]);
+    overlap.reach.resize(overlap.offset[n]);
+    parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Index to = overlap.offset[i];
+        for (Index c = static_cast<Index>(i); c != kNone; c = places_[c].next) {
+          if (places_[c].patch == kNone) continue;
+          overlap.site[to] = sites_[c];
+          overlap.distortion[to] = distortion_[c];
+          overlap.reach[to] = reach_[c];
+          ++to;
+        }
       }
-    }
-    overlap.offset.push_back(static_cast<Index>(overlap.site.size()));
+    });
     return overlap;
   }
 
   const SynthesisInput& input_;
+  const std::vector<vec3>& positions_;
+  const SourceMap& map_;
   Monitor& monitor_;
   const float overlap_;
   const std::size_t steps_, fitted_;
-  ChartFit fit_;
   std::vector<ChartSite> sites_;  // candidates: n of the points themselves, then as they are found
-  std::vector<float> reach_, distortion_;  // of each
-  std::vector<Index> next_;                // candidate of the same point
+  std::vector<Place> places_;     // of each
+  std::vector<float> reach_, distortion_;
+  std::vector<std::uint8_t> count_;  // n: candidates of the point
+  std::vector<Index> wave_;          // n: the last one that stepped to the point
+  Index clock_ = 0;
   std::vector<std::vector<Step>> buckets_;
+  ScratchPool<ChartFit> fits_;
 };
 
 }  // namespace
-
-vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit) {
-  // As in chart_fit.cpp: the step along the plane, stretched to its length in space.
-  const vec3 step = position - from.position;
-  const vec3 s = glm::cross(from.t, from.n);
-  const float along = glm::dot(step, s), up = glm::dot(step, from.t);
-  const float flat2 = along * along + up * up, length2 = glm::dot(step, step);
-  if (!(flat2 > 1e-4f * length2)) return from.q;
-  return from.q + std::sqrt(length2 / flat2) / unit * vec2(along, -up);
-}
 
 PatchOverlap growOverlap(const SynthesisInput& input, const SourceMap& map, float overlap,
                          Monitor& monitor) {

@@ -2,6 +2,7 @@
 // a choice to cut through.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "base/monitor.h"
@@ -23,11 +24,20 @@ struct PatchOverlap {
 
 inline constexpr float kCoherentPixels = 1.5f;  // places further apart belong to different sheets
 
-// Where `from` puts the point at `position`, in the domain of its patch.
-vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit);
+// Where `from` puts the point at `position`, in the domain of its patch: the step along the plane,
+// stretched to its length in space, as in chart_fit.cpp.
+inline vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit) {
+  const vec3 step = position - from.position;
+  const vec3 s = glm::cross(from.t, from.n);
+  const float along = glm::dot(step, s), up = glm::dot(step, from.t);
+  const float flat2 = along * along + up * up, length2 = glm::dot(step, step);
+  if (!(flat2 > 1e-4f * length2)) return from.q;
+  return from.q + std::sqrt(length2 / flat2) / unit * vec2(along, -up);
+}
 
 // Grows over at most `overlap` pixels. `map` as growPatches() leaves it. Gap points that no patch
-// reaches have no candidate. Throws Cancelled.
+// reaches have no candidate. Counts every point once. The same bytes at any number of threads.
+// Throws Cancelled.
 PatchOverlap growOverlap(const SynthesisInput& input, const SourceMap& map, float overlap,
                          Monitor& monitor);
 

@@ -116,7 +116,8 @@ class Grower {
         monitor_(monitor),
         reverse_(reverseNeighborhoods(input.neighborhoods)),
         sites_(chartSites(input.points,
-                          options.smooth
+                          input.chart ? *input.chart
+                          : options.smooth
                               ? smoothedPositions(input.points, input.neighborhoods, monitor)
                               : input.points.positions)),
         room_(input.swatch, options.sizeLimit),

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <queue>
+#include <utility>
 
 #include "swatch/swatch_search.h"
 
 namespace dapple {
 namespace {
 
+constexpr std::size_t kCheckpointEvery = 4096;
 constexpr int kPhases = 4;           // offsets are rounded to 1 / kPhases pixel by the search
 constexpr std::size_t kTerms = 150;  // of a search
 constexpr float kMargin = 3;         // pixels from the swatch's border, where there is room
@@ -33,20 +36,21 @@ class Placer {
         search_(input.swatch, 0, kPhases),
         meetings_(map.placement.size()),
         boxes_(map.placement.size()),
-        placed_(map.placement.size(), false) {}
+        placed_(map.placement.size(), 0) {}
 
   std::size_t run() {
     findMeetings();
     placeAll();
     recolour();
-    return static_cast<std::size_t>(std::count(moved_.begin(), moved_.end(), true));
+    return static_cast<std::size_t>(std::count(moved_.begin(), moved_.end(), 1));
   }
 
  private:
   void findMeetings() {
-    moved_.assign(placed_.size(), false);
+    moved_.assign(placed_.size(), 0);
     members_.assign(input_.swatch.hasHoles ? placed_.size() : 0, {});
     for (std::size_t i = 0; i < input_.points.size(); ++i) {
+      if (i % kCheckpointEvery == 0) monitor_.checkpoint();
       for (Index a = overlap_.offset[i]; a < overlap_.offset[i + 1]; ++a) {
         const ChartSite& site = overlap_.site[a];
         if (overlap_.reach[a] == 0) {
@@ -65,13 +69,32 @@ class Placer {
   // Moving them again once all are placed was measured to gain nothing.
   void placeAll() {
     std::vector<std::size_t> known(placed_.size(), 0);  // meetings with placed patches
+    // Most known first, then smallest id; entries that are out of date are skipped.
+    std::priority_queue<std::pair<std::size_t, Index>> queue;
+    const Index last = static_cast<Index>(placed_.size() - 1);
+    for (Index p = 0; p <= last; ++p) queue.push({0, last - p});
     for (std::size_t step = 0; step < placed_.size(); ++step) {
-      Index best = kNone;
-      for (Index p = 0; p < placed_.size(); ++p)
-        if (!placed_[p] && (best == kNone || known[p] > known[best])) best = p;
+      const Index best = takeBest(queue, known);
       if (known[best] > 0) place(best);
-      placed_[best] = true;
-      for (const Meeting& m : meetings_[best]) ++known[overlap_.site[m.other].patch];
+      placed_[best] = 1;
+      std::vector<Index> met;
+      for (const Meeting& m : meetings_[best]) {
+        const Index other = overlap_.site[m.other].patch;
+        if (!placed_[other] && (met.empty() || met.back() != other)) met.push_back(other);
+        ++known[other];
+      }
+      for (const Index other : met) queue.push({known[other], last - other});
+      monitor_.advance(pointsOfStep(input_.points.size(), step, placed_.size()));
+    }
+  }
+
+  Index takeBest(std::priority_queue<std::pair<std::size_t, Index>>& queue,
+                 const std::vector<std::size_t>& known) const {
+    for (;;) {
+      const auto [count, fromLast] = queue.top();
+      queue.pop();
+      const Index patch = static_cast<Index>(placed_.size() - 1 - fromLast);
+      if (!placed_[patch] && known[patch] == count) return patch;
     }
   }
 
@@ -84,7 +107,7 @@ class Placer {
     const vec2 placement = insideSwatch(patch, found.texel);
     if (!usable(patch, placement)) return;
     map_.placement[patch] = placement;
-    moved_[patch] = true;
+    moved_[patch] = 1;
   }
 
   // At most kTerms of the meetings with placed patches, evenly along the Morton order.
@@ -148,9 +171,12 @@ class Placer {
   }
 
   void recolour() {
-    for (std::size_t i = 0; i < input_.points.size(); ++i)
-      if (map_.state[i] == PointState::Patch && moved_[map_.patch[i]])
-        placePoint(map_, input_.swatch, i);
+    parallelFor(monitor_, input_.points.size(), kCheckpointEvery,
+                [&](std::size_t begin, std::size_t end) {
+                  for (std::size_t i = begin; i < end; ++i)
+                    if (map_.state[i] == PointState::Patch && moved_[map_.patch[i]])
+                      placePoint(map_, input_.swatch, i);
+                });
   }
 
   const SynthesisInput& input_;
@@ -161,14 +187,17 @@ class Placer {
   std::vector<std::vector<Meeting>> meetings_;  // by patch, points ascending
   std::vector<Box> boxes_;                      // of a patch's own points
   std::vector<std::vector<Index>> members_;     // by patch, kept for a swatch with holes only
-  std::vector<bool> placed_, moved_;
+  std::vector<std::uint8_t> placed_, moved_;
 };
 
 }  // namespace
 
 std::size_t placePatches(const SynthesisInput& input, const PatchOverlap& overlap, SourceMap& map,
                          Monitor& monitor) {
-  if (map.placement.size() < 2) return 0;
+  if (map.placement.size() < 2) {
+    monitor.advance(input.points.size());
+    return 0;
+  }
   return Placer(input, overlap, map, monitor).run();
 }
 

@@ -3,317 +3,169 @@
 //
 // A proposal is not a patch but a sheet: candidates that continue each other around one of them. A
 // patch that meets itself lies there in two sheets, which are one further on.
+//
+// Sheets that neither overlap nor touch are cut at the same time. Which do is found from the sheets
+// alone, before the first cut, so that the result does not depend on the threads.
 #include "synthesis/seam_cut.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <memory>
+#include <numeric>
 
 #include "base/errors.h"
+#include "base/scratch_pool.h"
 #include "synthesis/max_flow.h"
+#include "synthesis/seam_graph.h"
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kCheckpointEvery = 512;
-constexpr std::size_t kEdges = 8;        // nearest neighbours that a seam is counted between
-constexpr float kCost = 4096;            // integer cost of a colour difference of 1
-constexpr float kPerDistortion = 0.01f;  // cost of D = 1, as a colour difference
-constexpr float kMostDistortion = 5;     // counted
-constexpr float kUnknownSheet = 0.1f;    // added where a sheet ends at a point
-constexpr float kSheetRadius = 16;       // pixels
-constexpr float kSeedSpacing = 12;       // of sheets along a seam, pixels
-constexpr int kRounds = 2;               // over all sheets, at most
-constexpr std::uint8_t kNoLink = 255;
+constexpr std::size_t kGrain = 2048;  // points
+// Small sheets leave seams where they end; a second round over sheets of half this size gains what
+// the size does, at twice the cost.
+constexpr float kSheetRadius = 24;    // pixels
+constexpr float kSeedSpacing = 22;    // of sheets along a seam, pixels
+constexpr std::uint32_t kTurns = 64;  // in which sheets are cut; in the last one by one
 
 using Cost = std::int32_t;
 
-// Usable candidates, and which of them continue each other across an edge.
-struct CutGraph {
-  std::vector<Index> first;   // n + 1: candidates by point
-  std::vector<Index> source;  // of each candidate: its place in the overlap
-  std::vector<vec2> texel;
-  std::vector<vec3> colour;
-  std::vector<Cost> data;
-
-  struct HalfEdge {
-    Index to, twin;
-    Index links;   // first of count(from) entries of `link`
-    float length;  // pixels
-  };
-  std::vector<Index> firstEdge;    // n + 1
-  std::vector<HalfEdge> edges;     // of points with a choice, and back
-  std::vector<std::uint8_t> link;  // candidate of `to` that continues one of `from`, or kNoLink
-
-  std::size_t count(Index i) const { return first[i + 1] - first[i]; }
+// Candidates of nodes around one of them that continue each other.
+struct Sheet {
+  std::size_t first, end;  // into SheetBuilder's members
+  std::uint32_t turn;      // sheets of the same turn do not touch (but in the last)
+};
+struct Member {
+  Index node;
+  std::uint8_t candidate;
 };
 
-class GraphBuilder {
+// Covers both sides of every seam between nearest patches with sheets.
+class SheetBuilder {
  public:
-  GraphBuilder(const SynthesisInput& input, const PatchOverlap& overlap, const SourceMap& map,
-               Monitor& monitor)
-      : input_(input), overlap_(overlap), map_(map), monitor_(monitor) {}
+  SheetBuilder(const SeamGraph& graph, Monitor& monitor)
+      : graph_(graph),
+        monitor_(monitor),
+        covered_(graph.data.size(), 0),
+        stamp_(graph.nodes(), kNone),
+        turns_(graph.nodes(), 0) {}
 
-  CutGraph run() {
-    addCandidates();
-    addEdges();
-    return std::move(graph_);
+  void run() {
+    for (Index u = 0; u < graph_.nodes(); ++u) {
+      if (u % kCheckpointEvery == 0) monitor_.checkpoint();
+      if (covered_[graph_.firstData[u]] || !atSeam(u)) continue;
+      monitor_.checkpoint();
+      addSheet(u);
+    }
   }
+
+  std::vector<Sheet> sheets;  // of candidate 0 of their first members
+  std::vector<Member> members;
 
  private:
-  void addCandidates() {
-    const std::size_t n = input_.points.size();
-    graph_.first.reserve(n + 1);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i % kCheckpointEvery == 0) monitor_.checkpoint();
-      graph_.first.push_back(static_cast<Index>(graph_.source.size()));
-      for (Index c = overlap_.offset[i]; c < overlap_.offset[i + 1]; ++c) {
-        const ChartSite& site = overlap_.site[c];
-        const vec2 texel = wrapTexel(input_.swatch, site.q + map_.placement[site.patch]);
-        if (overlap_.reach[c] > 0 && !usableTexel(input_.swatch, texel)) continue;
-        graph_.source.push_back(c);
-        graph_.texel.push_back(texel);
-        graph_.colour.push_back(sampleSwatch(input_.swatch, texel));
-        graph_.data.push_back(static_cast<Cost>(kCost * kPerDistortion *
-                                                std::min(overlap_.distortion[c], kMostDistortion)));
-      }
-    }
-    graph_.first.push_back(static_cast<Index>(graph_.source.size()));
-  }
-
-  bool hasChoice(Index i) const { return graph_.count(i) > 1; }
-
-  std::span<const Index> near(Index i) const {
-    return input_.neighborhoods.of(i).first(std::min(kEdges, input_.neighborhoods.k));
-  }
-
-  // Calls body(i, j) once for each pair of which one has a choice and one is near the other.
-  template <class Body>
-  void forPairs(Body body) const {
-    for (Index i = 0; i < input_.points.size(); ++i) {
-      if (graph_.count(i) == 0) continue;
-      const auto ids = near(i);
-      for (const Index j : ids) {
-        if (graph_.count(j) == 0 || !(hasChoice(i) || hasChoice(j))) continue;
-        if (glm::dot(input_.points.normals[i], input_.points.normals[j]) <= 0) continue;
-        if (j < i) {
-          const auto back = near(j);
-          if (std::find(back.begin(), back.end(), i) != back.end()) continue;
-        }
-        body(i, j);
-      }
-    }
-  }
-
-  void addEdges() {
-    const std::size_t n = input_.points.size();
-    graph_.firstEdge.assign(n + 1, 0);
-    forPairs([&](Index i, Index j) { ++graph_.firstEdge[i + 1], ++graph_.firstEdge[j + 1]; });
-    monitor_.checkpoint();
-    for (std::size_t i = 0; i < n; ++i) graph_.firstEdge[i + 1] += graph_.firstEdge[i];
-    graph_.edges.resize(graph_.firstEdge[n]);
-    std::vector<Index> next(graph_.firstEdge.begin(), graph_.firstEdge.end() - 1);
-    std::size_t done = 0;
-    forPairs([&](Index i, Index j) {
-      const Index forward = next[i]++, backward = next[j]++;
-      const float length =
-          glm::length(input_.points.positions[i] - input_.points.positions[j]) / input_.unit;
-      graph_.edges[forward] = {j, backward, addLinks(i, j), length};
-      graph_.edges[backward] = {i, forward, addLinks(j, i), length};
-      if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
+  bool atSeam(Index u) const {
+    if (graph_.torn[u]) return true;
+    const auto near = graph_.of(u);
+    return std::any_of(near.begin(), near.end(), [&](const SeamGraph::HalfEdge& edge) {
+      return graph_.link[edge.link] != 0;
     });
   }
 
-  Index addLinks(Index i, Index j) {
-    const Index start = static_cast<Index>(graph_.link.size());
-    for (Index a = graph_.first[i]; a < graph_.first[i + 1]; ++a)
-      graph_.link.push_back(continuation(a, j));
-    return start;
-  }
-
-  // The candidate of j nearest to where candidate a of a neighbour puts it.
-  std::uint8_t continuation(Index a, Index j) const {
-    const ChartSite& from = siteOf(a);
-    const vec2 q = carriedPlace(from, siteOf(graph_.first[j]).position, input_.unit);
-    std::uint8_t best = kNoLink;
-    float least = kCoherentPixels * kCoherentPixels;
-    for (Index b = graph_.first[j]; b < graph_.first[j + 1]; ++b) {
-      const ChartSite& to = siteOf(b);
-      const vec2 d = to.q - q;
-      const float apart = glm::dot(d, d);
-      if (to.patch == from.patch && apart < least)
-        least = apart, best = static_cast<std::uint8_t>(b - graph_.first[j]);
-    }
-    return best;
-  }
-
-  const ChartSite& siteOf(Index candidate) const { return overlap_.site[graph_.source[candidate]]; }
-
-  const SynthesisInput& input_;
-  const PatchOverlap& overlap_;
-  const SourceMap& map_;
-  Monitor& monitor_;
-  CutGraph graph_;
-};
-
-// Labels: a candidate for every point, by number among its own.
-class Cutter {
- public:
-  Cutter(const CutGraph& graph, Monitor& monitor) : graph_(graph), monitor_(monitor) {
-    const std::size_t n = graph.first.size() - 1;
-    label_.assign(n, 0);  // own, or nearest: candidates are sorted so
-    sheetStamp_.assign(n, 0);
-    proposal_.assign(n, 0);
-    node_.assign(n, kNone);
-    changedAt_.assign(n, 0);
-  }
-
-  SeamStatistics run() {
-    SeamStatistics statistics;
-    const std::int64_t before = energy();
-    energy_ = before;
-    chooseSeeds();
-    for (int round = 0; round < kRounds; ++round) {
-      const std::int64_t atStart = energy_;
-      for (Seed& seed : seeds_) {
-        monitor_.checkpoint();
-        statistics.moves += move(seed) ? 1 : 0;
-      }
-      if (energy_ == atStart) break;
-    }
-    statistics.energyBefore = static_cast<double>(before) / kCost;
-    DAPPLE_CHECK(energy_, ==, energy());
-    statistics.energyAfter = static_cast<double>(energy_) / kCost;
-    for (const std::uint8_t label : label_) statistics.changed += label > 0 ? 1 : 0;
-    return statistics;
-  }
-
-  const std::vector<std::uint8_t>& labels() const { return label_; }
-
- private:
-  struct Seed {
-    Index point;
-    std::uint8_t candidate;
-    Index tried = 0;  // clock of the last move
-  };
-
-  Index at(Index i, std::uint8_t candidate) const { return graph_.first[i] + candidate; }
-  bool hasChoice(Index i) const { return graph_.count(i) > 1; }
-
-  // Candidate a at one end of the edge and b at the other.
-  Cost seam(const CutGraph::HalfEdge& edge, Index i, std::uint8_t a, std::uint8_t b) const {
-    const CutGraph::HalfEdge& back = graph_.edges[edge.twin];
-    const std::uint8_t aThere = graph_.link[edge.links + a], bHere = graph_.link[back.links + b];
-    if (aThere == b || bHere == a) return 0;
-    const Index j = edge.to;
-    const vec3 mine = graph_.colour[at(i, a)], theirs = graph_.colour[at(j, b)];
-    const float here = bHere == kNoLink ? kUnknownSheet + glm::length(mine - theirs)
-                                        : glm::length(mine - graph_.colour[at(i, bHere)]);
-    const float there = aThere == kNoLink ? kUnknownSheet + glm::length(mine - theirs)
-                                          : glm::length(theirs - graph_.colour[at(j, aThere)]);
-    return static_cast<Cost>(kCost * (here + there) + 0.5f);
-  }
-
-  std::span<const CutGraph::HalfEdge> edges(Index i) const {
-    return {graph_.edges.data() + graph_.firstEdge[i],
-            graph_.firstEdge[i + 1] - graph_.firstEdge[i]};
-  }
-
-  std::int64_t energy() const {
-    std::int64_t sum = 0;
-    for (Index i = 0; i < label_.size(); ++i) {
-      if (hasChoice(i)) sum += graph_.data[at(i, label_[i])];
-      for (const CutGraph::HalfEdge& edge : edges(i))
-        if (edge.to > i) sum += seam(edge, i, label_[i], label_[edge.to]);
-    }
-    return sum;
-  }
-
-  // Both sides of every seam between nearest patches, each from `kSeedSpacing` away from the next.
-  void chooseSeeds() {
-    std::vector<bool> covered(graph_.source.size(), false);
-    for (Index i = 0; i < label_.size(); ++i) {
-      if (i % kCheckpointEvery == 0) monitor_.checkpoint();
-      const std::uint8_t own = label_[i];
-      if (!hasChoice(i) || covered[at(i, own)] || !atSeam(i)) continue;
-      seeds_.push_back({i, own});
-      growSheet(i, own, kSeedSpacing);
-      for (const SheetPoint& s : sheet_) covered[at(s.point, proposal_[s.point])] = true;
-    }
-  }
-
-  bool atSeam(Index i) const {
-    const auto near = edges(i);
-    return std::any_of(near.begin(), near.end(), [&](const CutGraph::HalfEdge& edge) {
-      return graph_.link[edge.links + label_[i]] != label_[edge.to];
-    });
-  }
-
-  // sheet_: points with a choice around `start`, with the candidates that continue `candidate`.
-  void growSheet(Index start, std::uint8_t candidate, float radius) {
-    ++stamp_;
-    sheet_.assign(1, {start, 0});
-    proposal_[start] = candidate;
-    sheetStamp_[start] = stamp_;
-    for (std::size_t s = 0; s < sheet_.size(); ++s) {
-      const SheetPoint from = sheet_[s];
-      for (const CutGraph::HalfEdge& edge : edges(from.point)) {
-        const float distance = from.distance + edge.length;
-        if (distance > radius || sheetStamp_[edge.to] == stamp_ || !hasChoice(edge.to)) continue;
-        const std::uint8_t next = graph_.link[edge.links + proposal_[from.point]];
+  void addSheet(Index start) {
+    constexpr auto radius = static_cast<std::uint32_t>(kSheetRadius * kLengthSteps);
+    constexpr auto spacing = static_cast<std::uint32_t>(kSeedSpacing * kLengthSteps);
+    const std::size_t first = members.size();
+    const Index stamp = static_cast<Index>(sheets.size());
+    std::uint64_t taken = 0;  // turns of the sheets around
+    members.push_back({start, 0});
+    distance_.assign(1, 0);
+    stamp_[start] = stamp;
+    for (std::size_t s = first; s < members.size(); ++s) {
+      const Member from = members[s];
+      const std::uint32_t before = distance_[s - first];
+      taken |= turns_[from.node];
+      if (before <= spacing) covered_[graph_.firstData[from.node] + from.candidate] = 1;
+      for (const SeamGraph::HalfEdge& edge : graph_.of(from.node)) {
+        taken |= turns_[edge.to];
+        const std::uint32_t distance = before + edge.length;
+        if (distance > radius || stamp_[edge.to] == stamp) continue;
+        const std::uint8_t next = graph_.link[edge.link + from.candidate];
         if (next == kNoLink) continue;
-        sheetStamp_[edge.to] = stamp_;
-        proposal_[edge.to] = next;
-        sheet_.push_back({edge.to, distance});
+        stamp_[edge.to] = stamp;
+        members.push_back({edge.to, next});
+        distance_.push_back(distance);
       }
     }
+    const auto turn = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), kTurns - 1);
+    for (std::size_t s = first; s < members.size(); ++s)
+      turns_[members[s].node] |= std::uint64_t{1} << turn;
+    sheets.push_back({first, members.size(), turn});
   }
 
-  // True when a cut was computed.
-  bool move(Seed& seed) {
-    growSheet(seed.point, seed.candidate, kSheetRadius);
-    Index lastChange = 0;
+  const SeamGraph& graph_;
+  Monitor& monitor_;
+  std::vector<std::uint8_t> covered_;  // by candidate
+  std::vector<Index> stamp_;           // by node: the last sheet that has it
+  std::vector<std::uint64_t> turns_;   // by node: bits, of the sheets that have it
+  std::vector<std::uint32_t> distance_;
+};
+
+// One expansion move: nodes of a sheet that do not have its candidates keep what they have or take
+// them, whichever is cheapest all together.
+class SheetCut {
+ public:
+  SheetCut(const SeamGraph& graph, std::vector<std::uint8_t>& labels)
+      : graph_(graph), labels_(labels), local_(graph.nodes(), kNone) {}
+
+  // The change of energy, <= 0.
+  std::int64_t run(std::span<const Member> sheet, const Monitor& monitor) {
     nodes_.clear();
-    for (const SheetPoint& s : sheet_) {
-      lastChange = std::max(lastChange, changedAt_[s.point]);
-      if (proposal_[s.point] == label_[s.point]) continue;
-      node_[s.point] = static_cast<Index>(nodes_.size());
-      nodes_.push_back(s.point);
+    for (const Member& member : sheet) {
+      if (labels_[member.node] == member.candidate) continue;
+      local_[member.node] = static_cast<Index>(nodes_.size());
+      nodes_.push_back({member.node, labels_[member.node], member.candidate});
     }
-    const bool worthwhile = !nodes_.empty() && (seed.tried == 0 || lastChange > seed.tried);
-    seed.tried = ++clock_;
-    if (worthwhile) cut();
-    for (const Index i : nodes_) node_[i] = kNone;
-    return worthwhile;
-  }
-
-  void cut() {
+    if (nodes_.empty()) return 0;
     flow_.reset(nodes_.size());
     gained_ = 0;
     relaxed_.clear();
     for (Index v = 0; v < nodes_.size(); ++v) addNode(v);
-    std::int64_t change = flow_.solve() - gained_;
+    for (const Choice& choice : nodes_) local_[choice.node] = kNone;
+    std::int64_t change = flow_.solve(&monitor) - gained_;
     for (const Relaxed& pair : relaxed_)
       if (!flow_.onSinkSide(pair.v) && !flow_.onSinkSide(pair.w)) change += pair.by;
-    if (change >= 0) return;
-    energy_ += change;
+    if (change >= 0) return 0;
     for (Index v = 0; v < nodes_.size(); ++v) {
-      if (!flow_.onSinkSide(v)) continue;
-      label_[nodes_[v]] = proposal_[nodes_[v]];
-      changedAt_[nodes_[v]] = clock_;
+      if (flow_.onSinkSide(v)) labels_[nodes_[v].node] = nodes_[v].take;
     }
+    return change;
   }
+
+ private:
+  struct Choice {
+    Index node;
+    std::uint8_t keep, take;
+  };
+  struct Relaxed {
+    Index v, w;
+    Cost by;
+  };
 
   // The source's side keeps its label, the sink's takes the proposal.
   void addNode(Index v) {
-    const Index i = nodes_[v];
-    const std::uint8_t keep = label_[i], take = proposal_[i];
-    Cost slope = graph_.data[at(i, take)] - graph_.data[at(i, keep)];
-    for (const CutGraph::HalfEdge& edge : edges(i)) {
-      const Index j = edge.to, w = node_[j];
-      if (w == kNone)
-        slope += seam(edge, i, take, label_[j]) - seam(edge, i, keep, label_[j]);
-      else if (v < w)
+    const Choice& own = nodes_[v];
+    const Cost* data = graph_.data.data() + graph_.firstData[own.node];
+    Cost slope = data[own.take] - data[own.keep];
+    for (const SeamGraph::HalfEdge& edge : graph_.of(own.node)) {
+      const Index w = local_[edge.to];
+      if (w == kNone) {
+        const std::uint8_t theirs = labels_[edge.to];
+        slope += graph_.seam(edge, own.take, theirs) - graph_.seam(edge, own.keep, theirs);
+      } else if (v < w) {
         slope += addPair(edge, v, w);
+      }
     }
     addSlope(v, slope);
   }
@@ -322,12 +174,12 @@ class Cutter {
   // E - kk = (tk - kk) x_v + (tt - tk) x_w + (kt + tk - kk - tt) (1 - x_v) x_w
   // A cut needs the last factor >= 0. Where it is not, kk counts less in the cut than it costs:
   // the labels found may then be worse than those kept, which the sum at the end shows.
-  Cost addPair(const CutGraph::HalfEdge& edge, Index v, Index w) {
-    const Index i = nodes_[v], j = nodes_[w];
-    const Cost kt = seam(edge, i, label_[i], proposal_[j]),
-               tk = seam(edge, i, proposal_[i], label_[j]),
-               tt = seam(edge, i, proposal_[i], proposal_[j]),
-               real = seam(edge, i, label_[i], label_[j]), kk = std::min(real, kt + tk - tt);
+  Cost addPair(const SeamGraph::HalfEdge& edge, Index v, Index w) {
+    const Choice &mine = nodes_[v], &theirs = nodes_[w];
+    const Cost kt = graph_.seam(edge, mine.keep, theirs.take),
+               tk = graph_.seam(edge, mine.take, theirs.keep),
+               tt = graph_.seam(edge, mine.take, theirs.take),
+               real = graph_.seam(edge, mine.keep, theirs.keep), kk = std::min(real, kt + tk - tt);
     if (kk < real) {
       relaxed_.push_back({v, w, real - kk});
       gained_ += real - kk;
@@ -343,38 +195,97 @@ class Cutter {
     if (slope < 0) gained_ -= slope;
   }
 
-  struct Relaxed {
-    Index v, w;
-    Cost by;
-  };
-  struct SheetPoint {
-    Index point;
-    float distance;
-  };
-
-  const CutGraph& graph_;
-  Monitor& monitor_;
-  std::vector<std::uint8_t> label_, proposal_;  // n
-  std::vector<Index> sheetStamp_;               // n: the last sheet that reached the point
-  std::vector<Index> node_;                     // n: of the current cut
-  std::vector<Index> changedAt_;                // n
-  std::vector<SheetPoint> sheet_;
-  std::vector<Index> nodes_;
-  std::vector<Seed> seeds_;
+  const SeamGraph& graph_;
+  std::vector<std::uint8_t>& labels_;
+  std::vector<Index> local_;  // by node: its place in nodes_
+  std::vector<Choice> nodes_;
   MaxFlow flow_;
   std::int64_t gained_ = 0;  // what the cut's cost is above the change of energy
   std::vector<Relaxed> relaxed_;
-  Index stamp_ = 0, clock_ = 0;
-  std::int64_t energy_ = 0;
 };
 
-void writeLabels(const PatchOverlap& overlap, const CutGraph& graph,
+// Labels: a candidate for every node, by number among its own.
+class Cutter {
+ public:
+  Cutter(const SeamGraph& graph, Monitor& monitor)
+      : graph_(graph),
+        monitor_(monitor),
+        labels_(graph.nodes(), 0),  // own, or nearest: candidates are sorted so
+        cuts_([this] { return std::make_unique<SheetCut>(graph_, labels_); }) {}
+
+  SeamStatistics run() {
+    SeamStatistics statistics;
+    const std::int64_t before = energy();
+    SheetBuilder builder(graph_, monitor_);
+    builder.run();
+    members_ = std::move(builder.members);
+    std::vector<std::vector<Sheet>> turns;
+    for (const Sheet& sheet : builder.sheets) {
+      if (sheet.turn >= turns.size()) turns.resize(sheet.turn + 1);
+      turns[sheet.turn].push_back(sheet);
+    }
+    statistics.moves = sheetCount_ = builder.sheets.size();
+    std::int64_t now = before;
+    for (const std::vector<Sheet>& turn : turns) now += cutAll(turn);
+    DAPPLE_CHECK(now, ==, energy());
+    statistics.energyBefore = static_cast<double>(before) / kSeamCost;
+    statistics.energyAfter = static_cast<double>(now) / kSeamCost;
+    for (const std::uint8_t label : labels_) statistics.changed += label > 0 ? 1 : 0;
+    return statistics;
+  }
+
+  const std::vector<std::uint8_t>& labels() const { return labels_; }
+
+ private:
+  std::int64_t energy() const {
+    std::int64_t sum = 0;
+    for (Index u = 0; u < labels_.size(); ++u) {
+      sum += graph_.data[graph_.firstData[u] + labels_[u]];
+      for (const SeamGraph::HalfEdge& edge : graph_.of(u))
+        if (edge.to > u) sum += graph_.seam(edge, labels_[u], labels_[edge.to]);
+    }
+    return sum;
+  }
+
+  // The change of energy.
+  std::int64_t cutAll(const std::vector<Sheet>& sheets) {
+    const bool apart = sheets.front().turn + 1 < kTurns;
+    const std::size_t tasks = apart ? sheets.size() : 1, perTask = apart ? 1 : sheets.size();
+    std::vector<std::int64_t> change(sheets.size(), 0);
+    monitor_.workers().run(tasks, [&](std::size_t task) {
+      cuts_.use([&](SheetCut& cut) {
+        for (std::size_t s = task * perTask; s < (task + 1) * perTask; ++s) {
+          monitor_.checkpoint();
+          change[s] = cut.run(membersOf(sheets[s]), monitor_);
+          monitor_.advance(pointsOfStep(graph_.nodes(), done_ + s, sheetCount_));
+        }
+      });
+    });
+    done_ += sheets.size();
+    return std::accumulate(change.begin(), change.end(), std::int64_t{0});
+  }
+
+  std::span<const Member> membersOf(const Sheet& sheet) const {
+    return {members_.data() + sheet.first, sheet.end - sheet.first};
+  }
+
+  const SeamGraph& graph_;
+  Monitor& monitor_;
+  std::vector<std::uint8_t> labels_;  // by node
+  std::vector<Member> members_;
+  std::size_t done_ = 0, sheetCount_ = 0;
+  ScratchPool<SheetCut> cuts_;
+};
+
+void writeLabels(const PatchOverlap& overlap, const SeamGraph& graph,
                  const std::vector<std::uint8_t>& labels, SourceMap& map) {
-  for (Index i = 0; i < labels.size(); ++i) {
-    if (graph.count(i) == 0) continue;
-    const bool settled = map.state[i] == PointState::Patch && labels[i] == 0;
-    if (settled) continue;
-    const Index c = graph.first[i] + labels[i];
+  std::size_t node = 0;
+  for (Index i = 0; i < map.state.size(); ++i) {
+    const bool hasNode = node < graph.nodes() && graph.point[node] == i;
+    const Index label = hasNode ? labels[node++] : 0;
+    const bool settled = map.state[i] == PointState::Patch && label == 0;
+    if (settled || graph.count(i) == 0) continue;
+    const Index c = graph.first[i] + label;
     const ChartSite& chosen = overlap.site[graph.source[c]];
     map.patch[i] = chosen.patch;
     map.domain[i] = chosen.q;
@@ -392,7 +303,7 @@ void copyPlace(SourceMap& map, Index from, Index to) {
 }
 
 // Gap points that have no candidate copy the nearest point that has one.
-std::size_t copyNeighbours(const SynthesisInput& input, const CutGraph& graph, SourceMap& map) {
+std::size_t copyNeighbours(const SynthesisInput& input, const SeamGraph& graph, SourceMap& map) {
   std::vector<Index> left;
   for (Index i = 0; i < map.state.size(); ++i)
     if (graph.count(i) == 0) left.push_back(i);
@@ -424,7 +335,8 @@ std::size_t copyNeighbours(const SynthesisInput& input, const CutGraph& graph, S
 
 SeamStatistics cutSeams(const SynthesisInput& input, const PatchOverlap& overlap, SourceMap& map,
                         Monitor& monitor) {
-  const CutGraph graph = GraphBuilder(input, overlap, map, monitor).run();
+  const SeamGraph graph = buildSeamGraph(input, overlap, map, monitor);
+  monitor.advance(input.points.size() - graph.nodes());
   Cutter cutter(graph, monitor);
   SeamStatistics statistics = cutter.run();
   writeLabels(overlap, graph, cutter.labels(), map);

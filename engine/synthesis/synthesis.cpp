@@ -32,7 +32,8 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
 SynthesisResult synthesize(const SynthesisInput& input, const TextureOptions& options,
                            Monitor& monitor) {
   const std::size_t n = input.points.size();
-  monitor.begin(Stage::Synthesis, n);
+  monitor.begin(Stage::Synthesis, n,
+                options.method == Method::Hybrid ? hybridPasses(options.gaps) : 1);
   SynthesisResult result{.map = emptySourceMap(n, input.unit)};
   SourceMap& map = result.map;
   switch (options.method) {

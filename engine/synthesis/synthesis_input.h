@@ -13,6 +13,8 @@ struct SynthesisInput {
   const Swatch& swatch;
   const std::vector<TangentFrame>& frames;  // n: where the swatch's axes should point
   float unit = 0;                           // local units per swatch pixel
+  // n: where charts take the points to lie (smoothedPositions()); null: the stages decide.
+  const std::vector<vec3>* chart = nullptr;
 };
 
 }  // namespace dapple
