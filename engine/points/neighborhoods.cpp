@@ -366,16 +366,23 @@ Neighborhoods buildNeighborhoods(const std::vector<vec3>& positions, std::size_t
   return out;
 }
 
-ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods) {
+ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods,
+                                          const Monitor& monitor) {
+  constexpr std::size_t kCheckEvery = 8192;  // points
   const std::size_t n = neighborhoods.size();
   ReverseNeighborhoods out;
   out.offset.assign(n + 1, 0);
-  for (const Index j : neighborhoods.ids) ++out.offset[j + 1];
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i % kCheckEvery == 0) monitor.checkpoint();
+    for (const Index j : neighborhoods.of(i)) ++out.offset[j + 1];
+  }
   for (std::size_t i = 0; i < n; ++i) out.offset[i + 1] += out.offset[i];
   out.ids.resize(neighborhoods.ids.size());
   std::vector<std::size_t> next(out.offset.begin(), out.offset.end() - 1);
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i % kCheckEvery == 0) monitor.checkpoint();
     for (const Index j : neighborhoods.of(i)) out.ids[next[j]++] = static_cast<Index>(i);
+  }
   return out;
 }
 

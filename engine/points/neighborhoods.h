@@ -36,7 +36,8 @@ struct ReverseNeighborhoods {
     return {ids.data() + offset[i], offset[i + 1] - offset[i]};
   }
 };
-ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods);
+ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods,
+                                          const Monitor& monitor);
 
 // Side of the square of surface that one point owns, local units: the mean over points of
 // r_k sqrt(pi / (k + 1/2)), r_k the distance to the k-th neighbour (methods: section 1.1).

@@ -114,7 +114,7 @@ class Grower {
         options_(options),
         map_(map),
         monitor_(monitor),
-        reverse_(reverseNeighborhoods(input.neighborhoods)),
+        reverse_(reverseNeighborhoods(input.neighborhoods, monitor)),
         sites_(chartSites(input.points,
                           input.chart ? *input.chart
                           : options.smooth
