@@ -32,7 +32,7 @@ struct Scene {
     positions.push_back(position);
     normals.push_back(normal);
     colours.push_back(colour);
-    radii.push_back(splatRadii({spacing})[0]);
+    radii.push_back(splatRadius(spacing));
   }
 };
 
@@ -289,7 +289,7 @@ TEST_CASE("a disc is an ellipse of the right size and perspective") {
   Scene scene;
   const float radius = 0.5f;
   const vec3 normal = glm::normalize(vec3(0, std::sqrt(3.f), 1));  // 60 degrees back
-  scene.add({0, 0, 0}, normal, vec3(0), radius / splatRadii({1})[0]);
+  scene.add({0, 0, 0}, normal, vec3(0), radius / splatRadius(1));
   const Camera camera{.eye = {0, 0, 2}, .target = {0, 0, 0}};
   constexpr int kSide = 400;
   const Image image =
@@ -313,7 +313,7 @@ TEST_CASE("without OpenGL a disc is the ellipse that its centre's perspective gi
   Scene scene;
   const float radius = 0.5f;
   const vec3 normal = glm::normalize(vec3(0, std::sqrt(3.f), 1));  // 60 degrees back
-  scene.add({0, 0, 0}, normal, vec3(0), radius / splatRadii({1})[0]);
+  scene.add({0, 0, 0}, normal, vec3(0), radius / splatRadius(1));
   constexpr int kSide = 400;
   const Image image = ByCpu::picture(scene, {.eye = {0, 0, 2}, .target = {0, 0, 0}}, kSide, kSide,
                                      {.background = kBackground, .lowPass = 0.5f});
@@ -389,7 +389,7 @@ TEST_CASE_TEMPLATE("splats of one rough surface blend, whichever lies a little h
                    ByCpu) {
   for (float higher : {-0.2f, 0.0f, 0.2f}) {  // radii
     Scene scene;
-    const float spacing = 0.4f, radius = splatRadii({spacing})[0];
+    const float spacing = 0.4f, radius = splatRadius(spacing);
     scene.add({-0.2f, 0, 0}, {0, 0, 1}, vec3(0), spacing);
     scene.add({0.2f, 0, higher * radius}, {0, 0, 1}, vec3(1), spacing);
     const Image image = Drawn::picture(scene, {.eye = {0, 0, 10}, .target = {0, 0, 0}}, 201, 201);
@@ -569,6 +569,21 @@ TEST_CASE_TEMPLATE("a splat without a texel, and one seen from afar, shows its c
   const std::vector<vec2> none(plane.texels.size(), vec2(std::nanf("")));
   CHECK(plane.draw<Drawn>(300, true, none).pixels == plane.draw<Drawn>(300, false).pixels);
   CHECK(plane.draw<Drawn>(60, true).pixels == plane.draw<Drawn>(60, false).pixels);
+}
+
+TEST_CASE("a stray point is drawn like those around it, a sparse region without holes") {
+  std::vector<vec3> points;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) points.emplace_back(x, y, 0);  // one apart
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 20; ++x) points.emplace_back(100 + 4 * x, 4 * y, 0);  // four apart
+  points.emplace_back(20, 20, 30);
+  Workers workers(1);
+  Monitor monitor(workers);
+  const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor));
+  CHECK(radii[20 * 40 + 20] == doctest::Approx(splatRadius(1)).epsilon(0.15));
+  CHECK(radii[1600 + 10 * 20 + 10] == doctest::Approx(splatRadius(4)).epsilon(0.15));
+  CHECK(radii.back() < splatRadius(2.5f));
 }
 
 TEST_CASE_TEMPLATE("the headlight darkens what turns away and nothing else", Drawn, ByGl, ByCpu) {

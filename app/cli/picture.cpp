@@ -46,9 +46,10 @@ bool usesOpenGl(const std::string& renderer) {
 std::vector<vec2> plainTexels(const PictureInput& input) {
   constexpr float kSame = 2.5f / 255;  // files hold 8 bits
   const vec2 none(std::numeric_limits<float>::quiet_NaN());
+  const std::vector<float> spacing = localSpacing(input.neighborhoods);
   std::vector<vec2> texels(input.map->texel);
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    const float blur = std::log2(std::max(1.f, input.localSpacing[i] / input.map->scale));
+    const float blur = std::log2(std::max(1.f, spacing[i] / input.map->scale));
     const auto same = [&](float level) {
       const vec3 d =
           glm::abs(sampleSwatch(*input.swatch, texels[i], level) - input.columns.colours[i]);
@@ -83,7 +84,7 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options, Work
   }
   const ViewColours view = viewColours(options.show, input.columns);
   const Camera camera = cameraFor(input, positions, options);
-  const std::vector<float> radii = splatRadii(input.localSpacing);
+  const std::vector<float> radii = splatRadii(input.neighborhoods);
   SplatColumns columns{
       .positions = positions, .normals = normals, .colours = view.colours, .radii = radii};
   std::vector<vec2> texels;

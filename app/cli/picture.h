@@ -6,7 +6,7 @@
 
 #include "app/render/views.h"
 #include "base/parallel.h"
-#include "points/point_set.h"
+#include "points/neighborhoods.h"
 #include "swatch/image.h"
 #include "synthesis/source_map.h"
 
@@ -25,8 +25,8 @@ struct PictureOptions {
 
 // What the picture shows: columns of n elements.
 struct PictureInput {
-  const PointSet& points;                  // with normals
-  const std::vector<float>& localSpacing;  // local units
+  const PointSet& points;  // with normals
+  const Neighborhoods& neighborhoods;
   const ViewColumns& columns;
   const SourceMap* map = nullptr;  // with a swatch: for the swatch inside the splats
   const Swatch* swatch = nullptr;

@@ -54,7 +54,7 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
                             .order = map.order};
   monitor.begin(Stage::Render, 0);
   writeImage(a.output, drawPicture({.points = points,
-                                    .localSpacing = localSpacing(prepared.neighborhoods),
+                                    .neighborhoods = prepared.neighborhoods,
                                     .columns = columns,
                                     .map = map.texel.empty() ? nullptr : &map,
                                     .swatch = swatch ? &*swatch : nullptr},

@@ -68,7 +68,7 @@ Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured, co
                             .error = textured.map.error,
                             .order = textured.map.order};
   return drawPicture({.points = prepared.scan.points,
-                      .localSpacing = localSpacing(prepared.neighborhoods),
+                      .neighborhoods = prepared.neighborhoods,
                       .columns = columns,
                       .map = &textured.map,
                       .swatch = &swatch},

@@ -19,6 +19,7 @@ namespace dapple {
 namespace {
 
 constexpr float kRadiusPerSpacing = 1.2f;
+constexpr float kMostStray = 2;  // times the spacing of most neighbours
 constexpr int kLargestPicture = 16384;
 constexpr int kLargestSamples = 4;
 constexpr int kTile = 2048;            // samples: 150 MB of textures, whatever the picture's size
@@ -111,9 +112,20 @@ void validate(int width, int height, const SplatOptions& options) {
                                    options.samples, kLargestSamples));
 }
 
-std::vector<float> splatRadii(const std::vector<float>& localSpacing) {
-  std::vector<float> radii(localSpacing.size());
-  for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = kRadiusPerSpacing * localSpacing[i];
+float splatRadius(float spacing) {
+  return kRadiusPerSpacing * spacing;
+}
+
+std::vector<float> splatRadii(const Neighborhoods& neighborhoods) {
+  const std::vector<float> spacing = localSpacing(neighborhoods);
+  std::vector<float> radii(spacing.size()), around;
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    around.clear();
+    for (const Index j : neighborhoods.of(i)) around.push_back(spacing[j]);
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+    std::nth_element(around.begin(), middle, around.end());
+    radii[i] = splatRadius(std::min(spacing[i], kMostStray * *middle));
+  }
   return radii;
 }
 

@@ -8,7 +8,7 @@
 
 #include "app/render/camera.h"
 #include "base/types.h"
-#include "points/point_set.h"
+#include "points/neighborhoods.h"
 #include "swatch/swatch.h"
 
 namespace dapple {
@@ -33,9 +33,13 @@ struct SplatColumns {
   const SplatTexture* texture = nullptr;
 };
 
-// Radii that leave no hole and yet blur little, from the side of the square of surface that each
-// point owns (n, local units; points/neighborhoods.h: localSpacing).
-std::vector<float> splatRadii(const std::vector<float>& localSpacing);
+// The radius that leaves no hole and yet blurs little, for a point that owns a square of surface of
+// this side.
+float splatRadius(float spacing);
+
+// The same for each point of a scan (n, local units), from its neighbours: a stray point, far from
+// all others, is drawn not much larger than those.
+std::vector<float> splatRadii(const Neighborhoods& neighborhoods);
 
 struct SplatOptions {
   bool shading = false;                    // headlight
