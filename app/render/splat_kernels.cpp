@@ -304,9 +304,7 @@ DAPPLE_CLONES std::size_t projectSplats(const SplatScene& scene, const SplatView
     rotate(view, x, y, z, d.centre);
     d.centre.x -= view.eye[0], d.centre.y -= view.eye[1], d.centre.depth -= view.eye[2];
     d.drawn = (d.centre.depth - d.radius <= place.farthest) & (lane < static_cast<int>(count));
-    int any = 0;
-    for (std::size_t l = 0; l < kLanes; ++l) any |= d.drawn[l];
-    if (any == 0) continue;
+    if (!anyLane(d.drawn)) continue;
     readNormals(scene, view, s.point, d);
     projectDiscs(scene, view, place, d, s);
     Int8 colour;
@@ -389,6 +387,7 @@ DAPPLE_CLONES void drawColours(const SplatScene& scene, std::span<const Projecte
           reachSamples(s, perLowPass2, dx, dy, r);
           const Float8 &distance = r.distance, &depth = r.depth;
           const Int8 counts = (distance <= 1) & (depth <= lanes(&tile.depth[at]));
+          if (!anyLane(counts)) continue;
           Float8 weight =
               (1 - distance) *
               (((kKernel[3] * distance + kKernel[2]) * distance + kKernel[1]) * distance +

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Draws the pictures of the README with the program itself.
 # usage: assets/pictures/make_pictures.sh [SCAN]      (the default is the scan of ./demo)
-# demo.png is the picture at the top; NAME_METHOD.png are those of the table of methods.
+# demo.png is the picture at the top; NAME_METHOD.png are those of the table of methods; closeup_*
+# show the swatch inside the splats.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -19,8 +20,16 @@ texture() {
   shift 3
   echo "$picture: $swatch, $method"
   "$dapple" texture "$scan" --swatch "assets/swatches/$swatch.png" --method "$method" \
-    -o "$work/textured.ply" --quiet "$@"
-  "$dapple" render "$work/textured.ply" -o "$pictures/$picture.png" --size "$size" --view "$view"
+    -o "$work/textured.ply" --source-map --quiet "$@"
+  draw "$swatch" "$picture" --view "$view"
+}
+
+# The last textured scan.
+draw() {
+  local swatch=$1 picture=$2
+  shift 2
+  "$dapple" render "$work/textured.ply" --swatch "assets/swatches/$swatch.png" \
+    -o "$pictures/$picture.png" --size "$size" --quiet "$@"
 }
 
 size=960x720 view=front
@@ -33,3 +42,11 @@ done
 for method in patches match triplanar; do
   texture scales "$method" "scales_$method"
 done
+
+# The swatch inside the splats, which is three times as fine as the scan, and without.
+size=640x480
+texture leopard hybrid closeup --scale 0.35
+for texels in off on; do
+  draw leopard "closeup_$texels" --texels "$texels" --eye 0.2,0.1,2.6 --target 0,0.1,0
+done
+rm "$pictures/closeup.png"

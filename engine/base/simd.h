@@ -20,6 +20,13 @@ using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
 using Int8 = int __attribute__((vector_size(32), aligned(4), may_alias));
 inline constexpr std::size_t kLanes = 8;
 
+// True when a lane of a comparison is.
+[[gnu::always_inline]] inline bool anyLane(const Int8& mask) {
+  using Pairs = long long __attribute__((vector_size(32), aligned(4), may_alias));
+  const Pairs& pairs = reinterpret_cast<const Pairs&>(mask);
+  return ((pairs[0] | pairs[1]) | (pairs[2] | pairs[3])) != 0;
+}
+
 inline std::size_t paddedToLanes(std::size_t count) {
   return (count + kLanes - 1) / kLanes * kLanes;
 }

@@ -47,9 +47,7 @@ DAPPLE_CLONES float sumDifferences(const TexelGrid& grid, vec2 place, const Want
     if (!grid.tileable) {
       const Int8 lane{0, 1, 2, 3, 4, 5, 6, 7};
       const Int8 outside = (column.outside | row.outside) & (lane < static_cast<int>(here));
-      int any = 0;
-      for (std::size_t l = 0; l < kLanes; ++l) any |= outside[l];
-      if (any != 0) return kInfinity;
+      if (anyLane(outside)) return kInfinity;
     }
     Float4 squares{0, 0, 0, 0};
     for (std::size_t l = 0; l < here; ++l) {

@@ -1,0 +1,7 @@
+// As points.vert says.
+
+flat in vec3 shown;
+
+layout(location = 0) out vec4 colour;
+
+void main() { colour = vec4(shown, 1.0); }
