@@ -369,13 +369,13 @@ TEST_CASE("options that make no sense are refused") {
   const std::string scan = folder.write("in.ply", plyText(spherePoints(kPoints, 1)));
   const std::string out = folder / "out.ply";
   const std::vector<std::array<std::string, 3>> bad{
-      {"--neighbours", "3", "8 to 128"},   {"--neighbours", "many", "8 to 128"},
-      {"--method", "magic", "hybrid|"},    {"--threads", "-1", "0 to 256"},
-      {"--up", "0,0,0", "not all 0"},      {"--scale", "nan", "0.01 to 100"},
-      {"--view", "inside", "front"},       {"--size", "0x7", "WIDTHxHEIGHT"},
-      {"--progress", "dots", "bar|lines"}, {"--tileable", "perhaps", "auto|yes|no"},
-      {"--show", "feelings", "colour"},    {"--renderer", "ray", "auto|gl|cpu"},
-      {"--sparkle", "9", "--help"}};
+      {"--neighbours", "3", "8 to 128"},    {"--neighbours", "many", "8 to 128"},
+      {"--method", "magic", "hybrid|"},     {"--threads", "-1", "0 to 256"},
+      {"--up", "0,0,0", "not all 0"},       {"--scale", "nan", "0.01 to 100"},
+      {"--view", "inside", "front"},        {"--size", "0x7", "WIDTHxHEIGHT"},
+      {"--progress", "dots", "bar|lines"},  {"--tileable", "perhaps", "auto|yes|no"},
+      {"--texels", "some", "auto|on|off"},  {"--show", "feelings", "colour"},
+      {"--renderer", "ray", "auto|gl|cpu"}, {"--sparkle", "9", "--help"}};
   for (const auto& [option, value, remedy] : bad) {
     CAPTURE(option);
     Arguments arguments = textureArguments(scan, out, {option, value});
@@ -490,6 +490,32 @@ TEST_CASE("the demo scan looks as it did") {
     REQUIRE_MESSAGE(run.code == 0, run.err);
     checkGolden(picture, method);
   }
+}
+
+TEST_CASE("a turntable is as many pictures, half a turn apart front and back") {
+  const TemporaryFolder folder;
+  const std::string scan = asset("scans/creature.ply");
+  const Run run = dapple({"render", scan, "-o", folder / "turn.png", "--turntable", "4", "--size",
+                          "120x100", "--shading", "--quiet"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  CHECK(!fs::exists(folder / "turn.png"));
+  CHECK(!fs::exists(folder / "turn_004.png"));
+  std::vector<Image> pictures;
+  for (int k = 0; k < 4; ++k)
+    pictures.push_back(readImage(folder / fmt::format("turn_00{}.png", k)));
+  // The outline from behind is the outline from the front, mirrored, but for perspective.
+  const auto covered = [](const Image& image, int x, int y) { return image.at(x, y, 1) < 0.95f; };
+  int same = 0, either = 0;
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const bool front = covered(pictures[0], x, y), back = covered(pictures[2], 119 - x, y);
+      same += front && back, either += front || back;
+    }
+  CHECK(either > 1000);
+  CHECK(same > 0.8 * either);
+  CHECK(pictures[0].pixels != pictures[1].pixels);
+  checkRefused(folder, {"render", scan, "-o", folder / "p.png", "--turntable", "1"}, "--turntable",
+               "720");
 }
 
 TEST_CASE("every view looks as it did, drawn by OpenGL and by the processor") {

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numbers>
 
 #include "app/render/camera.h"
 #include "app/render/cpu_splatter.h"
@@ -60,11 +62,14 @@ std::vector<vec2> plainTexels(const PictureInput& input) {
   return texels;
 }
 
+void checkTexels(const std::string& texels) {
+  if (texels != "auto" && texels != "on" && texels != "off")
+    throw InvalidInput(
+        fmt::format("--texels: '{}' is not allowed; choose one of auto|on|off", texels));
+}
+
 // Whether the swatch is shown inside the splats.
 bool usesTexels(const PictureInput& input, const PictureOptions& options) {
-  if (options.texels != "auto" && options.texels != "on" && options.texels != "off")
-    throw InvalidInput(
-        fmt::format("--texels: '{}' is not allowed; choose one of auto|on|off", options.texels));
   const bool possible = input.map && input.swatch && input.map->scale > 0 &&
                         options.show == View::Colour && !input.columns.colours.empty();
   if (options.texels == "on" && !possible)
@@ -74,16 +79,74 @@ bool usesTexels(const PictureInput& input, const PictureOptions& options) {
   return possible && options.texels != "off";
 }
 
+// Either of the two, behind one function.
+class Splatter {
+ public:
+  Splatter(const SplatColumns& columns, bool openGl, Workers& workers) {
+    if (openGl) {
+      context_ = std::make_unique<OffscreenContext>();
+      openGl_ = std::make_unique<SplatRenderer>();
+      openGl_->update(columns);
+    } else {
+      cpu_ = std::make_unique<CpuSplatter>(workers);
+      cpu_->update(columns);
+    }
+  }
+
+  Image draw(const Camera& camera, const PictureOptions& options) {
+    const bool small = std::max(options.width, options.height) <= kSupersampleUpTo;
+    const SplatOptions splats{.shading = options.shading, .samples = small ? 2 : 1};
+    if (openGl_) return openGl_->draw(camera, options.width, options.height, splats);
+    cpu_->draw(camera, options.width, options.height, splats, raster_);
+    return toImage(raster_);
+  }
+
+ private:
+  std::unique_ptr<OffscreenContext> context_;  // outlives what was made in it
+  std::unique_ptr<SplatRenderer> openGl_;
+  std::unique_ptr<CpuSplatter> cpu_;
+  Raster raster_;
+};
+
+// The camera of picture `turn` (0..1) of a turntable: all of the scan is seen in all of them.
+Camera turnedCamera(const PictureOptions& options, const std::vector<vec3>& positions, float turn) {
+  const Bounds bounds = boundsOf(positions);
+  const vec3 centre = 0.5f * (bounds.low + bounds.high);
+  float radius = 0;
+  for (const vec3& p : positions)
+    radius = std::max(radius, std::hypot(p.x - centre.x, p.z - centre.z));
+  constexpr int kSides = 32;
+  std::vector<vec3> cylinder;
+  for (int k = 0; k < kSides; ++k)
+    for (const float y : {bounds.low.y, bounds.high.y}) {
+      const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / kSides;
+      cylinder.emplace_back(centre.x + radius * std::cos(angle), y,
+                            centre.z + radius * std::sin(angle));
+    }
+  Camera camera =
+      standardView(options.view, cylinder,
+                   static_cast<float>(options.width) / static_cast<float>(options.height));
+  const float angle = 2 * std::numbers::pi_v<float> * turn;
+  const auto turned = [&](const vec3& v) {
+    return vec3(std::cos(angle) * v.x + std::sin(angle) * v.z, v.y,
+                std::cos(angle) * v.z - std::sin(angle) * v.x);
+  };
+  camera.eye = centre + turned(camera.eye - centre);
+  camera.target = centre + turned(camera.target - centre);
+  camera.up = turned(camera.up);
+  return camera;
+}
+
 }  // namespace
 
-Image drawPicture(const PictureInput& input, const PictureOptions& options, Workers& workers) {
+void drawPictures(const PictureInput& input, const PictureOptions& options, Workers& workers,
+                  const std::function<void(int, const Image&)>& take) {
   std::vector<vec3> positions = input.points.positions, normals = input.points.normals;
   if (options.zUp) {
     for (vec3& p : positions) p = yUp(p);
     for (vec3& n : normals) n = yUp(n);
   }
   const ViewColours view = viewColours(options.show, input.columns);
-  const Camera camera = cameraFor(input, positions, options);
   const std::vector<float> radii = splatRadii(input.neighborhoods);
   SplatColumns columns{
       .positions = positions, .normals = normals, .colours = view.colours, .radii = radii};
@@ -99,27 +162,28 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options, Work
     if (options.texels == "on") texture->longestStep = std::numeric_limits<float>::max();
     columns.texture = &*texture;
   }
-  const bool small = std::max(options.width, options.height) <= kSupersampleUpTo;
-  const SplatOptions splats{.shading = options.shading, .samples = small ? 2 : 1};
-  Image picture;
-  if (usesOpenGl(options.renderer)) {
-    const OffscreenContext context;
-    SplatRenderer renderer;
-    renderer.update(columns);
-    picture = renderer.draw(camera, options.width, options.height, splats);
-  } else {
-    CpuSplatter splatter(workers);
-    splatter.update(columns);
-    Raster raster;
-    splatter.draw(camera, options.width, options.height, splats, raster);
-    picture = toImage(raster);
+  Splatter splatter(columns, usesOpenGl(options.renderer), workers);
+  for (int k = 0; k < std::max(1, options.turntable); ++k) {
+    const Camera camera =
+        options.turntable == 0
+            ? cameraFor(input, positions, options)
+            : turnedCamera(options, positions,
+                           static_cast<float>(k) / static_cast<float>(options.turntable));
+    Image picture = splatter.draw(camera, options);
+    if (view.legend) drawLegend(picture, *view.legend);
+    take(k, picture);
   }
-  if (view.legend) drawLegend(picture, *view.legend);
+}
+
+Image drawPicture(const PictureInput& input, const PictureOptions& options, Workers& workers) {
+  Image picture;
+  drawPictures(input, options, workers, [&](int, const Image& drawn) { picture = drawn; });
   return picture;
 }
 
 void checkPicture(const PictureOptions& options) {
   usesOpenGl(options.renderer);
+  checkTexels(options.texels);
   if (!options.eye || !options.target) standardView(options.view, Bounds{}, 1);
 }
 

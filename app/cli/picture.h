@@ -1,6 +1,7 @@
 // Points to a picture without a display.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,7 @@ struct PictureOptions {
   View show = View::Colour;
   std::string renderer = "auto";  // auto|gl|cpu
   std::string texels = "auto";    // auto|on|off: the swatch inside the splats
+  int turntable = 0;              // pictures round the vertical axis; 0: one, not turned
 };
 
 // What the picture shows: columns of n elements.
@@ -32,7 +34,12 @@ struct PictureInput {
   const Swatch* swatch = nullptr;
 };
 
-// Throws InvalidInput (a view whose column is not there, a size out of range).
+// Gives take(k, picture) every picture, k from 0. Throws InvalidInput (a view whose column is not
+// there, a size out of range).
+void drawPictures(const PictureInput& input, const PictureOptions& options, Workers& workers,
+                  const std::function<void(int, const Image&)>& take);
+
+// The first of them.
 Image drawPicture(const PictureInput& input, const PictureOptions& options, Workers& workers);
 
 // Throws InvalidInput for a view or a renderer that drawPicture() would refuse: before the long

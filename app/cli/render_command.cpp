@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <sstream>
 
@@ -28,6 +29,14 @@ std::optional<vec3> toVector(const std::vector<float>& numbers) {
   return vec3(numbers[0], numbers[1], numbers[2]);
 }
 
+// OUT.png: OUT_000.png.
+std::string numbered(const std::filesystem::path& path, int k) {
+  std::filesystem::path name = path.stem();
+  name += fmt::format("_{:03}", k);
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
 void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor) {
   parseSize(a.size, a.picture);
   a.picture.show = viewNamed(a.show);
@@ -53,12 +62,15 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
                             .error = map.error,
                             .order = map.order};
   monitor.begin(Stage::Render, 0);
-  writeImage(a.output, drawPicture({.points = points,
-                                    .neighborhoods = prepared.neighborhoods,
-                                    .columns = columns,
-                                    .map = map.texel.empty() ? nullptr : &map,
-                                    .swatch = swatch ? &*swatch : nullptr},
-                                   a.picture, monitor.workers()));
+  drawPictures({.points = points,
+                .neighborhoods = prepared.neighborhoods,
+                .columns = columns,
+                .map = map.texel.empty() ? nullptr : &map,
+                .swatch = swatch ? &*swatch : nullptr},
+               a.picture, monitor.workers(), [&](int k, const Image& picture) {
+                 monitor.checkpoint();
+                 writeImage(a.picture.turntable == 0 ? a.output : numbered(a.output, k), picture);
+               });
 }
 
 }  // namespace
@@ -78,6 +90,10 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
       sub->add_option("--target", a->target, "x,y,z: where to look")->delimiter(',')->expected(3);
   eye->needs(target);
   target->needs(eye);
+  sub->add_option("--turntable", a->picture.turntable,
+                  "draw this many pictures round the vertical axis: OUT_000.png, OUT_001.png, ...")
+      ->check(CLI::Range(2, 720))
+      ->excludes(eye);
   sub->add_option("--show", a->show,
                   "colour|normals|state|patch|distortion|order; the last four need a scan that was "
                   "saved with --source-map")
