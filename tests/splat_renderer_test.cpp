@@ -578,12 +578,14 @@ TEST_CASE("a stray point is drawn like those around it, a sparse region without 
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) points.emplace_back(100 + 4 * x, 4 * y, 0);  // four apart
   points.emplace_back(20, 20, 30);
+  for (int i = 0; i < 9; ++i) points.emplace_back(-60 + i % 3, i / 3, 0);  // one apart, far away
   Workers workers(1);
   Monitor monitor(workers);
   const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor));
   CHECK(radii[20 * 40 + 20] == doctest::Approx(splatRadius(1)).epsilon(0.15));
   CHECK(radii[1600 + 10 * 20 + 10] == doctest::Approx(splatRadius(4)).epsilon(0.15));
-  CHECK(radii.back() < splatRadius(2.5f));
+  CHECK(radii[2000] < splatRadius(2.5f));
+  for (std::size_t i = 2001; i < 2010; ++i) CHECK(radii[i] < splatRadius(4));
 }
 
 TEST_CASE_TEMPLATE("the headlight darkens what turns away and nothing else", Drawn, ByGl, ByCpu) {

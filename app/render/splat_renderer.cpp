@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
+#include <numbers>
 #include <optional>
 
 #include "app/render/gl_objects.h"
@@ -19,7 +20,8 @@ namespace dapple {
 namespace {
 
 constexpr float kRadiusPerSpacing = 1.2f;
-constexpr float kMostStray = 2;  // times the spacing of most neighbours
+constexpr float kMostStray = 2;  // times the spacing of most neighbours, and among the nearest
+constexpr std::size_t kFew = 6;
 constexpr int kLargestPicture = 16384;
 constexpr int kLargestSamples = 4;
 constexpr int kTile = 2048;            // samples: 150 MB of textures, whatever the picture's size
@@ -124,7 +126,11 @@ std::vector<float> splatRadii(const Neighborhoods& neighborhoods) {
     for (const Index j : neighborhoods.of(i)) around.push_back(spacing[j]);
     const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
     std::nth_element(around.begin(), middle, around.end());
-    radii[i] = splatRadius(std::min(spacing[i], kMostStray * *middle));
+    // The nearest alone: a few stray points together have most of their neighbours far away.
+    const std::size_t few = std::min(kFew, neighborhoods.k);
+    const float close = neighborhoods.distancesOf(i)[few - 1] *
+                        std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(few) + 0.5f));
+    radii[i] = splatRadius(std::min(spacing[i], kMostStray * std::min(*middle, close)));
   }
   return radii;
 }

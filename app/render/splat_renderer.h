@@ -37,8 +37,8 @@ struct SplatColumns {
 // this side.
 float splatRadius(float spacing);
 
-// The same for each point of a scan (n, local units), from its neighbours: a stray point, far from
-// all others, is drawn not much larger than those.
+// The same for each point of a scan (n, local units), from its neighbours: stray points, alone or a
+// few together, are drawn not much larger than the others.
 std::vector<float> splatRadii(const Neighborhoods& neighborhoods);
 
 struct SplatOptions {
