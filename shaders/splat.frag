@@ -17,6 +17,7 @@ in Splat {
 splat;
 
 uniform vec2 focal;
+uniform bool orthographic;
 uniform vec2 tileOrigin;  // of the frame, pixels from the view axis
 uniform vec2 depthRange;
 uniform float lowPass;
@@ -36,12 +37,13 @@ const float kNever = 1e30;
 
 void main() {
   vec2 pixel = gl_FragCoord.xy + tileOrigin;
-  vec3 ray = vec3(pixel / focal, -1.0);
+  vec3 from = orthographic ? vec3(pixel / focal, 0.0) : vec3(0.0);
+  vec3 ray = orthographic ? vec3(0.0, 0.0, -1.0) : vec3(pixel / focal, -1.0);
   float centreDepth = -splat.centre.z;
 
   float along = dot(splat.normal, ray);
-  float t = abs(along) > 1e-9 ? dot(splat.normal, splat.centre) / along : -1.0;
-  vec3 fromCentre = (t * ray - splat.centre) / splat.radius;
+  float t = abs(along) > 1e-9 ? dot(splat.normal, splat.centre - from) / along : -1.0;
+  vec3 fromCentre = (from + t * ray - splat.centre) / splat.radius;
   float inDisc = t > 0.0 ? dot(fromCentre, fromCentre) : kNever;
   vec2 fromPixel = (pixel - splat.pixel) / lowPass;
   float onScreen = dot(fromPixel, fromPixel);
@@ -57,7 +59,7 @@ void main() {
 #else
   vec3 colour = splat.colour;
   if (splat.light >= 0.0 && t > 0.0) {
-    vec3 there = t * ray - splat.centre;
+    vec3 there = from + t * ray - splat.centre;
     // Image rows run down.
     vec2 texel = splat.texel + vec2(dot(there, splat.swatchS), -dot(there, splat.swatchT));
     colour = splat.light * textureLod(swatch, texel / swatchSize, 0.0).rgb;

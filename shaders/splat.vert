@@ -10,7 +10,8 @@ layout(location = 5) in vec3 swatchS;  // the swatch's axes, divided by a pixel'
 layout(location = 6) in vec3 swatchT;
 
 uniform mat4 localToView;  // rigid
-uniform vec2 focal;        // pixels
+uniform vec2 focal;        // pixels; orthographic: pixels per local unit
+uniform bool orthographic;
 uniform vec4 viewport;     // lower left corner and size, pixels
 uniform vec2 depthRange;   // near, far
 uniform float lowPass;     // radius, pixels
@@ -45,6 +46,7 @@ const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 // disc when (d c.z)^2 = r^2 |m - n (n.m)|^2 with m = (1, 0, s), the plane's normal. Solving for d
 // instead of s keeps small far discs free of cancellation.
 vec4 discBox(vec3 c, vec3 n, float r) {
+  if (orthographic) return vec4(focal * c.xy, focal * r * sqrt(max(1.0 - n.xy * n.xy, 0.0)));
   vec2 s0 = c.xy / -c.z;
   float a = c.z * c.z - r * r * (1.0 - n.z * n.z);
   if (a <= 0.0) return vec4(viewport.xy + 0.5 * viewport.zw, 0.5 * viewport.zw);  // round the eye
@@ -62,12 +64,13 @@ vec4 withLowPass(vec4 box, vec2 pixel) {
 
 // True when no step from pixel to pixel on the disc is longer than that.
 bool showsSwatch(vec3 c, vec3 n, vec3 s, vec3 t) {
-  vec3 ray = c / -c.z;
+  vec3 ray = orthographic ? vec3(0.0, 0.0, -1.0) : c / -c.z;
+  float far = orthographic ? 1.0 : -c.z;
   float nRay = dot(n, ray);
   nRay = abs(nRay) < 1e-4 ? 1e-4 : nRay;
   // How the depth of the plane, and with it the place on it, moves with the ray.
-  vec3 x = c.z / focal.x * (n.x / nRay * ray - vec3(1.0, 0.0, 0.0));
-  vec3 y = c.z / focal.y * (n.y / nRay * ray - vec3(0.0, 1.0, 0.0));
+  vec3 x = far / focal.x * (vec3(1.0, 0.0, 0.0) - n.x / nRay * ray);
+  vec3 y = far / focal.y * (vec3(0.0, 1.0, 0.0) - n.y / nRay * ray);
   vec2 perX = vec2(dot(x, s), dot(x, t)), perY = vec2(dot(y, s), dot(y, t));
   float longest = longestStep * longestStep;
   return longestStep >= 0.0 && dot(perX, perX) <= longest && dot(perY, perY) <= longest;
@@ -75,13 +78,13 @@ bool showsSwatch(vec3 c, vec3 n, vec3 s, vec3 t) {
 
 void main() {
   vec3 c = (localToView * vec4(position, 1.0)).xyz;
-  vec3 toEye = normalize(-c);
+  vec3 toEye = orthographic ? vec3(0.0, 0.0, 1.0) : normalize(-c);
   vec3 n = mat3(localToView) * normal;
   n = dot(n, n) > 0.25 ? normalize(n) : toEye;
 
   float facing = abs(dot(n, toEye));
   float tilt = sqrt(max(1.0 - facing * facing, 0.0));
-  float pixelSize = -c.z / focal.y;
+  float pixelSize = (orthographic ? 1.0 : -c.z) / focal.y;
   splat.centre = c;
   splat.radius = radius;
   splat.normal = n;
@@ -95,7 +98,7 @@ void main() {
   bool shown = texel.x == texel.x && showsSwatch(c, n, splat.swatchS, splat.swatchT);
   splat.light = shown ? light : -1.0;
   splat.reach = radius * sqrt(max(1.0 - n.z * n.z, 0.0));
-  splat.pixel = focal * c.xy / -c.z;
+  splat.pixel = orthographic ? focal * c.xy : focal * c.xy / -c.z;
 
   bool seen = -c.z >= depthRange.x && -c.z <= depthRange.y && radius > 0.0;
   vec4 box = withLowPass(discBox(c, n, radius), splat.pixel);

@@ -533,6 +533,13 @@ TEST_CASE("every view looks as it did, drawn by OpenGL and by the processor") {
       REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
       checkGolden(picture, "view_" + view);
     }
+  for (const char* renderer : {"gl", "cpu"}) {
+    CAPTURE(renderer);
+    const Run drawn = dapple({"render", scan, "-o", picture, "--orthographic", "--size", "240x200",
+                              "--renderer", renderer, "--quiet"});
+    REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
+    checkGolden(picture, "orthographic");
+  }
 }
 
 }  // namespace

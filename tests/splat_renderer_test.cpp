@@ -324,6 +324,24 @@ TEST_CASE("without OpenGL a disc is the ellipse that its centre's perspective gi
   CHECK(area == doctest::Approx(std::numbers::pi * along * along / 2).epsilon(0.01));
 }
 
+TEST_CASE_TEMPLATE("without perspective a sphere is a circle of the right size, near or far", Drawn,
+                   ByGl, ByCpu) {
+  Scene scene = sphere(20000, [](vec3 p) { return vec3(p.x > 0, p.y > 0, 0.5f); });
+  const Camera camera = orthographicView(sphereCamera(), scene.positions, 1);
+  CHECK(camera.orthographicHeight == doctest::Approx(2 / 0.92).epsilon(0.01));
+  const Image image = Drawn::picture(scene, camera, 600, 600);
+  int area = 0;
+  for (int y = 0; y < 600; ++y)
+    for (int x = 0; x < 600; ++x) area += covered(image, x, y);
+  const double radius = 300 * 0.92;
+  CHECK(area == doctest::Approx(std::numbers::pi * radius * radius).epsilon(0.02));
+  CHECK(glm::distance(at(image, 450, 150), vec3(1, 1, 0.5f)) < 0.01f);
+  CHECK(glm::distance(at(image, 150, 450), vec3(0, 0, 0.5f)) < 0.01f);
+  Camera farther = camera;
+  farther.eye = camera.target + 1.4f * (camera.eye - camera.target);
+  CHECK(structuralSimilarity(Drawn::picture(scene, farther, 600, 600), image) > 0.999);
+}
+
 TEST_CASE("OpenGL and the processor draw the same picture") {
   for (const int points : {2000, 20000, 200000}) {
     CAPTURE(points);
@@ -331,8 +349,10 @@ TEST_CASE("OpenGL and the processor draw the same picture") {
         sphere(points, [](vec3 p) { return vec3(0.5f) + 0.5f * glm::sin(vec3(20, 25, 30) * p); });
     for (const bool shading : {false, true}) {
       const SplatOptions options{.shading = shading, .background = vec3(1)};
-      CHECK(structuralSimilarity(picture(scene, sphereCamera(), 400, 300, options),
-                                 ByCpu::picture(scene, sphereCamera(), 400, 300, options)) > 0.98);
+      for (const Camera& camera :
+           {sphereCamera(), orthographicView(sphereCamera(), scene.positions, 4.f / 3)})
+        CHECK(structuralSimilarity(picture(scene, camera, 400, 300, options),
+                                   ByCpu::picture(scene, camera, 400, 300, options)) > 0.98);
     }
   }
 }

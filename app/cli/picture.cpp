@@ -23,16 +23,21 @@ vec3 yUp(const vec3& v) {
   return {v.x, v.z, -v.y};
 }
 
+float aspectOf(const PictureOptions& options) {
+  return static_cast<float>(options.width) / static_cast<float>(options.height);
+}
+
 Camera cameraFor(const PictureInput& input, const std::vector<vec3>& positions,
                  const PictureOptions& options) {
-  if (!options.eye || !options.target)
-    return standardView(options.view, positions,
-                        static_cast<float>(options.width) / static_cast<float>(options.height));
-  auto local = [&](const vec3& model) {
+  const auto local = [&](const vec3& model) {
     const vec3 p((dvec3(model) - input.points.origin) / input.points.modelUnits);
     return options.zUp ? yUp(p) : p;
   };
-  return lookAt(local(*options.eye), local(*options.target), boundsOf(positions));
+  const Camera camera =
+      options.eye && options.target
+          ? lookAt(local(*options.eye), local(*options.target), boundsOf(positions))
+          : standardView(options.view, positions, aspectOf(options));
+  return options.orthographic ? orthographicView(camera, positions, aspectOf(options)) : camera;
 }
 
 // OpenGL without a display is OpenGL in software, which takes ten times as long.
@@ -123,9 +128,8 @@ Camera turnedCamera(const PictureOptions& options, const std::vector<vec3>& posi
       cylinder.emplace_back(centre.x + radius * std::cos(angle), y,
                             centre.z + radius * std::sin(angle));
     }
-  Camera camera =
-      standardView(options.view, cylinder,
-                   static_cast<float>(options.width) / static_cast<float>(options.height));
+  Camera camera = standardView(options.view, cylinder, aspectOf(options));
+  if (options.orthographic) camera = orthographicView(camera, cylinder, aspectOf(options));
   const float angle = 2 * std::numbers::pi_v<float> * turn;
   const auto turned = [&](const vec3& v) {
     return vec3(std::cos(angle) * v.x + std::sin(angle) * v.z, v.y,

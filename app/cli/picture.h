@@ -22,6 +22,7 @@ struct PictureOptions {
   View show = View::Colour;
   std::string renderer = "auto";  // auto|gl|cpu
   std::string texels = "auto";    // auto|on|off: the swatch inside the splats
+  bool orthographic = false;
   int turntable = 0;              // pictures round the vertical axis; 0: one, not turned
 };
 

@@ -90,6 +90,8 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
       sub->add_option("--target", a->target, "x,y,z: where to look")->delimiter(',')->expected(3);
   eye->needs(target);
   target->needs(eye);
+  sub->add_flag("--orthographic", a->picture.orthographic,
+                "no perspective: the scan as large as it fits, seen along --view or from --eye");
   sub->add_option("--turntable", a->picture.turntable,
                   "draw this many pictures round the vertical axis: OUT_000.png, OUT_001.png, ...")
       ->check(CLI::Range(2, 720))

@@ -154,6 +154,27 @@ Camera lookAt(vec3 eye, vec3 target, const Bounds& bounds) {
   return camera;
 }
 
+Camera orthographicView(const Camera& camera, const std::vector<vec3>& positions, float aspect) {
+  const glm::mat4 view = viewMatrix(camera);
+  vec3 low(std::numeric_limits<float>::infinity()), high = -low;
+  for (const vec3& p : positions) {
+    const vec3 q = view * glm::vec4(p, 1);
+    low = glm::min(low, q);
+    high = glm::max(high, q);
+  }
+  const vec3 size = high - low, middle = 0.5f * (low + high);
+  const float height = std::max({size.y, size.x / aspect, kSmallestSize}) / (1 - 2 * kMargin);
+  const float depth = std::max(size.z, height);
+  const glm::mat3 axes(glm::transpose(glm::mat3(view)));  // right, up and back in local coordinates
+  Camera out = camera;
+  out.orthographicHeight = height;
+  out.target = camera.eye + axes * middle;
+  out.eye = out.target + axes * vec3(0, 0, depth);
+  out.nearPlane = 0.4f * depth;
+  out.farPlane = 1.6f * depth;
+  return out;
+}
+
 glm::mat4 viewMatrix(const Camera& camera) {
   return glm::lookAt(camera.eye, camera.target, camera.up);
 }

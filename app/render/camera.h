@@ -12,7 +12,10 @@ namespace dapple {
 struct Camera {
   glm::vec3 eye{0, 0, 3}, target{0}, up{0, 1, 0};  // local coordinates of the PointSet
   float verticalFov = 0.6f;                        // radians
-  float nearPlane = 0.01f, farPlane = 100.f;       // distances along the view axis
+  // Above 0 the projection is orthographic and this much of the scene is seen from the picture's
+  // bottom to its top, local units; verticalFov is not used then.
+  float orthographicHeight = 0;
+  float nearPlane = 0.01f, farPlane = 100.f;  // distances along the view axis
 };
 
 struct Bounds {
@@ -32,6 +35,10 @@ Camera standardView(std::string_view name, const std::vector<vec3>& positions, f
 // From eye towards target, y up unless that is the direction of view (then -z, or z from below),
 // with planes that enclose the bounds. Throws InvalidInput when eye and target are the same.
 Camera lookAt(vec3 eye, vec3 target, const Bounds& bounds);
+
+// The same direction without perspective, as near as the positions (at least one) fit, with the
+// margin of standardView().
+Camera orthographicView(const Camera& camera, const std::vector<vec3>& positions, float aspect);
 
 // Rigid: the eye at the origin, x to the right, y up, looking along -z.
 glm::mat4 viewMatrix(const Camera& camera);

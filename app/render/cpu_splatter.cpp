@@ -25,7 +25,10 @@ SplatView viewOf(const Camera& camera, int samplesHigh, const SplatOptions& opti
     view.rows[2][static_cast<std::size_t>(c)] = -m[c][2];
   }
   view.eye = {-m[3][0], m[3][1], m[3][2]};
-  view.focal = 0.5f * static_cast<float>(samplesHigh) / std::tan(0.5f * camera.verticalFov);
+  view.orthographic = camera.orthographicHeight > 0;
+  view.focal = view.orthographic
+                   ? static_cast<float>(samplesHigh) / camera.orthographicHeight
+                   : 0.5f * static_cast<float>(samplesHigh) / std::tan(0.5f * camera.verticalFov);
   view.nearest = camera.nearPlane, view.farthest = camera.farPlane;
   view.lowPass = options.lowPass * static_cast<float>(options.samples);
   view.headlight = options.shading;

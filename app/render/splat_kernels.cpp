@@ -65,11 +65,11 @@ DAPPLE_CLONES void findTiles(const SplatScene& scene, const SplatView& view, con
     c.x -= view.eye[0], c.y -= view.eye[1], c.depth -= view.eye[2];
     const Float8 radius = lanes(&scene.radius[i]);
     const Int8 seen = (c.depth >= view.nearest) & (c.depth <= view.farthest) & (radius > 0);
-    const Float8 perDepth = 1 / c.depth;
+    const Float8 perDepth = view.orthographic ? Float8{} + 1 : 1 / c.depth;
     // The disc lies in a ball; its image is longer by the length of the ray at most, and by what
     // is nearer to the eye than its centre.
     const Float8 sx = c.x * perDepth, sy = c.y * perDepth;
-    Float8 reach = 1 + sx * sx + sy * sy;
+    Float8 reach = view.orthographic ? Float8{} + 1 : 1 + sx * sx + sy * sy;
     squareRoot(reach);
     reach = view.focal * radius * perDepth * reach;
     reach = (reach < view.lowPass ? view.lowPass + 0 * reach : reach) + kSlack;
@@ -85,7 +85,8 @@ DAPPLE_CLONES void findTiles(const SplatScene& scene, const SplatView& view, con
     limitTo(top, none, row), limitTo(bottom, none, row);
     Seen n;
     rotate(view, lanes(&scene.nx[i]), lanes(&scene.ny[i]), lanes(&scene.nz[i]), n);
-    const Int8 away = (n.x * sx + n.y * sy + n.depth > 0) & 1;
+    const Float8 along = view.orthographic ? n.depth : n.x * sx + n.y * sy + n.depth;
+    const Int8 away = (along > 0) & 1;
     const Int8 l = __builtin_convertvector(left, Int8), r = __builtin_convertvector(right, Int8);
     const Int8 t = __builtin_convertvector(top, Int8), b = __builtin_convertvector(bottom, Int8);
     for (std::size_t lane = 0; lane < kLanes; ++lane)
@@ -192,11 +193,12 @@ float farthestSeen(const SplatTile& tile, int side) {
 
 namespace {
 
-// Eight discs in the camera's axes: the ray through a centre is (sx, sy, 1).
+// Eight discs in the camera's axes: the ray through a centre is (sx, sy, 1). At this distance a
+// local unit is `focal` samples.
 struct Discs {
   Seen centre, normal;
-  Float8 radius, sx, sy, ray;  // ray: its length
-  Int8 drawn;                  // -1: yes
+  Float8 radius, distance, sx, sy, ray;  // ray: its length
+  Int8 drawn;                            // -1: yes
 };
 
 [[gnu::always_inline]] inline void readNormals(const SplatScene& scene, const SplatView& view,
@@ -208,8 +210,10 @@ struct Discs {
   }
   Seen& n = d.normal;
   rotate(view, x, y, z, n);
-  const Float8 perDepth = 1 / d.centre.depth;
-  d.sx = d.centre.x * perDepth, d.sy = d.centre.y * perDepth;
+  const Float8 zero{};
+  d.distance = view.orthographic ? zero + 1 : d.centre.depth;
+  d.sx = view.orthographic ? zero : d.centre.x / d.distance;
+  d.sy = view.orthographic ? zero : d.centre.y / d.distance;
   d.ray = 1 + d.sx * d.sx + d.sy * d.sy;
   squareRoot(d.ray);
   // A point without a normal faces the eye.
@@ -252,11 +256,11 @@ struct Discs {
   Float8 cxx = 1 + d.sx * d.sx - ex * ex, cyy = 1 + d.sy * d.sy - ey * ey;
   const Float8 cxy = d.sx * d.sy - ex * ey;
   cxx = cxx < 0 ? zero : cxx, cyy = cyy < 0 ? zero : cyy;
-  const Float8 scale = view.focal * d.radius / c.depth;
+  const Float8 scale = view.focal * d.radius / d.distance;
   const Float8 inverse = 1 / (scale * scale * q * q);
   lanes(out.xx) = cyy * inverse, lanes(out.xy) = -cxy * inverse, lanes(out.yy) = cxx * inverse;
-  lanes(out.x) = view.focal * d.sx - place.x - 0.5f;
-  lanes(out.y) = view.focal * d.sy - place.y - 0.5f;
+  lanes(out.x) = view.focal * c.x / d.distance - place.x - 0.5f;
+  lanes(out.y) = view.focal * c.y / d.distance - place.y - 0.5f;
   Float8 width = cxx, height = cyy;
   squareRoot(width), squareRoot(height);
   width *= scale, height *= scale;
@@ -270,16 +274,16 @@ struct Discs {
   squareRoot(tilt), squareRoot(reach);
   Float8 slope = tilt / (facing < 1e-3f ? zero + 1e-3f : facing);
   slope = slope > kSteepest ? zero + kSteepest : slope;
-  lanes(out.offset) = kDepthOffset * d.radius + view.lowPass / view.focal * c.depth * slope;
+  lanes(out.offset) = kDepthOffset * d.radius + view.lowPass / view.focal * d.distance * slope;
   lanes(out.reach) = d.radius * reach;
   lanes(out.depth) = c.depth;
   // The plane's depth along a ray is (n.c) / (n.ray).
-  const Float8 perSlope = -c.depth / (view.focal * q);
+  const Float8 perSlope = -d.distance / (view.focal * q);
   lanes(out.slopeX) = n.x * perSlope, lanes(out.slopeY) = n.y * perSlope;
   lanes(out.light) = view.headlight ? kAmbient + (1 - kAmbient) * facing : one;
   lanes(out.textured) = Int8{};
   if (scene.swatch.empty()) return;
-  const DiscSteps steps{n.x * perSlope, n.y * perSlope, c.depth / view.focal};
+  const DiscSteps steps{n.x * perSlope, n.y * perSlope, d.distance / view.focal};
   placeSwatch(scene, view, {d.sx, d.sy, one}, steps, out);
 }
 

@@ -33,7 +33,8 @@ struct SplatView {
   // Rows: right, down, forward; then the eye along each.
   std::array<std::array<float, 3>, 3> rows;
   std::array<float, 3> eye;
-  float focal = 1;  // samples
+  float focal = 1;  // samples; orthographic: samples per local unit
+  bool orthographic = false;
   float nearest = 0, farthest = 0;
   float lowPass = 1;  // samples
   bool headlight = false;

@@ -74,7 +74,7 @@ struct Frame {
   glm::mat4 view;
   glm::vec2 focal, centre, depthRange;
   float lowPass;
-  bool sprites;
+  bool sprites, orthographic;
   const SplatOptions& options;
 };
 
@@ -179,6 +179,7 @@ void SplatRenderer::Pipeline::setTexture(const SplatTexture* texture, std::size_
 
 // Sprites are quicker than quads, but only up to the driver's largest size.
 bool SplatRenderer::Pipeline::fitSprites(const Camera& camera, float focal) const {
+  if (camera.orthographicHeight > 0) return 2 * largestRadius * focal < largestSprite;
   const vec3 forward = glm::normalize(camera.target - camera.eye);
   const vec3 nearest = glm::mix(bounds.low, bounds.high, glm::lessThan(forward, vec3(0)));
   const float depth = glm::dot(nearest - camera.eye, forward) - largestRadius;
@@ -204,6 +205,7 @@ void SplatRenderer::Pipeline::drawSplats(const Frame& frame, const Tile& tile,
   glUseProgram(program.id());
   glUniformMatrix4fv(program.uniform("localToView"), 1, GL_FALSE, glm::value_ptr(frame.view));
   glUniform2fv(program.uniform("focal"), 1, glm::value_ptr(frame.focal));
+  glUniform1i(program.uniform("orthographic"), frame.orthographic ? 1 : 0);
   glUniform4fv(program.uniform("viewport"), 1, glm::value_ptr(viewport));
   glUniform2fv(program.uniform("tileOrigin"), 1, glm::value_ptr(origin));
   glUniform2fv(program.uniform("depthRange"), 1, glm::value_ptr(frame.depthRange));
@@ -284,13 +286,16 @@ Image SplatRenderer::draw(const Camera& camera, int width, int height,
   validate(width, height, options);
   Pipeline& p = *pipeline_;
   const int samples = options.samples;
-  const float focal = 0.5f * height * samples / std::tan(0.5f * camera.verticalFov);
+  const bool orthographic = camera.orthographicHeight > 0;
+  const float focal = orthographic ? height * samples / camera.orthographicHeight
+                                   : 0.5f * height * samples / std::tan(0.5f * camera.verticalFov);
   const Frame frame{.view = viewMatrix(camera),
                     .focal = {focal, focal},
                     .centre = 0.5f * samples * glm::vec2(width, height),
                     .depthRange = {camera.nearPlane, camera.farPlane},
                     .lowPass = options.lowPass * samples,
                     .sprites = p.fitSprites(camera, focal),
+                    .orthographic = orthographic,
                     .options = options};
 
   const int side = kTile / samples;
