@@ -5,11 +5,9 @@
 #include <span>
 
 #include "points/tangent_patch.h"
+#include "swatch/texel_reader.h"
 
 namespace dapple {
-
-// Four floats that g++ keeps in one register of any x86-64 processor.
-using Float4 = float __attribute__((vector_size(16)));
 
 inline constexpr int kWindowSide = 8;
 inline constexpr int kWindowNodes = kWindowSide * kWindowSide;

@@ -16,6 +16,7 @@
 #include "base/hash_rng.h"
 #include "points/tangent_patch.h"
 #include "swatch/gaussian_blur.h"
+#include "swatch/texel_reader.h"
 #include "synthesis/score_patches.h"
 #include "synthesis/score_seams.h"
 #include "synthesis/sliced_distance.h"
@@ -29,8 +30,12 @@ constexpr std::size_t kLeastWindows = 20;
 constexpr std::array<double, 3> kScales = {1, 2, 4};
 // Points inside a turned window and under the Gaussians of its corners, and a margin to grow in.
 constexpr float kReach = 5.7f, kMargin = 0.3f;  // steps
-constexpr std::size_t kGrain = 16;              // evaluation points that are searched together
+constexpr std::size_t kGrain = 16;              // evaluation points
+constexpr std::size_t kSearchGrain = 128;       // windows that are searched for together
 constexpr std::size_t kPerfectShare = 4;  // of so many windows one is also fitted as a perfect one
+// Of so many points one has a window of the coarsest scale: these are the dearest, and overlap
+// most.
+constexpr std::size_t kCoarsestShare = 2;
 constexpr float kTolerance = 20 * std::numbers::pi_v<float> / 180;  // of the oriented figures
 constexpr double kLeastThreshold = 0.3, kThresholdFactor = 1.5;
 constexpr double kSlicedFloor = 0.045, kSlicedRange = 0.25;
@@ -39,16 +44,25 @@ constexpr double kPrefilterFrom = 1.05;  // pixels a point
 constexpr float kUnfit = std::numeric_limits<float>::quiet_NaN();
 constexpr int kFirstIterations = 3, kLastIterations = 8;
 
+// A window that is searched for in the swatch.
+struct Query {
+  Window window;
+  std::size_t point;
+  bool perfect;
+};
+
 // One of the measure's six (free or oriented, three scales) and its results by evaluation point.
 struct Judge {
-  std::unique_ptr<ScorePatches> patches;
+  std::unique_ptr<PatchGrid> grid;
+  std::unique_ptr<PatchCoder> coder;
   bool oriented = false;
   std::uint64_t number = 0;
+  std::vector<std::vector<Query>> queries;       // a chunk of points each
   std::vector<float> residual, perfectResidual;  // NaN where not fitted
   std::vector<PatchCode> codes, perfectCodes, secondCodes;
   std::vector<std::uint8_t> evaluated;
 
-  const ScoreImage& image() const { return patches->image(); }
+  const ScoreImage& image() const { return grid->image(); }
 };
 
 // Everything that the evaluation of a point reads.
@@ -57,9 +71,14 @@ struct Context {
   const ScoreOptions& options;
   // What a perfect mapping would read: the swatch, and the same as if it tiled, for the scales at
   // which it is too small for a window.
-  const Swatch &perfect, &wrapped;
+  const TexelReader &perfect, &wrapped;
   std::vector<Index> centres;
-  float radius = 0;  // of a flattened surrounding, local units
+  double ratio = 1;  // steps at the finest scale, pixels
+
+  // Local units around a centre that the windows of a scale need.
+  float reach(std::size_t scale) const {
+    return static_cast<float>((kReach + kMargin) * ratio * kScales[scale] * input.unit);
+  }
 };
 
 void checkInput(const ScoreInput& input, const ScoreOptions& options) {
@@ -85,7 +104,8 @@ void checkInput(const ScoreInput& input, const ScoreOptions& options) {
 std::vector<Index> chooseCentres(std::size_t n, const ScoreOptions& options) {
   std::vector<std::pair<std::uint64_t, Index>> keys(n);
   for (std::size_t i = 0; i < n; ++i) keys[i] = {hashBits(options.seed, i), static_cast<Index>(i)};
-  const std::size_t count = std::min(n, options.evaluationPoints);
+  // Windows around every point of a small scan would tell the same again and again.
+  const std::size_t count = std::min((n + 1) / 2, options.evaluationPoints);
   std::nth_element(keys.begin(), keys.begin() + (count - 1), keys.end());
   std::vector<Index> centres;
   for (std::size_t i = 0; i < count; ++i) centres.push_back(keys[i].second);
@@ -107,53 +127,48 @@ TangentFrame frameAt(const ScoreInput& input, Index i) {
   return {glm::cross(t, n), t, n};
 }
 
-Float4 weighable(vec3 colour) {
-  return Float4{colour.x, colour.y, colour.z, 0};
-}
-
 Window actualWindow(const Context& context, const WindowSampler& sampler) {
   std::vector<Float4> colours;
+  colours.reserve(sampler.samples().size());
   for (const WindowSampler::Sample& sample : sampler.samples())
-    colours.push_back(weighable(context.input.colours[sample.id]));
+    colours.push_back(toFloat4(context.input.colours[sample.id]));
   return sampler.window(colours);
 }
 
 // The same points as a perfect mapping would colour them.
 Window perfectWindow(const Context& context, const WindowSampler& sampler, bool wraps,
                      const Placement& placement) {
-  const Swatch& swatch = wraps ? context.wrapped : context.perfect;
-  const float height = static_cast<float>(swatch.height);
+  const TexelReader& reader = wraps ? context.wrapped : context.perfect;
+  const vec2 size(context.input.swatch.width, context.input.swatch.height);
+  const float perUnit = 1 / context.input.unit;
   std::vector<Float4> colours;
+  colours.reserve(sampler.samples().size());
   for (const WindowSampler::Sample& sample : sampler.samples()) {
-    const vec2 p = sample.position / context.input.unit;
+    const vec2 p = sample.position * perUnit;
     const vec2 at = placement.centre + p.x * placement.right + p.y * placement.up;
-    colours.push_back(weighable(sampleSwatch(swatch, {at.x, height - at.y})));
+    vec2 place(at.x - 0.5f, size.y - at.y - 0.5f);
+    if (!wraps) place = glm::clamp(place, vec2(0), size - 1.0f);
+    colours.push_back(reader.read(place.x, place.y));
   }
   return sampler.window(colours);
 }
 
 // Distance of a window to the nearest one of the swatch: all starts a few steps, the two best on.
-float bestFit(const ScorePatches& patches, const Window& window, PatchStarts starts) {
-  const ScoreImage& image = patches.image();
+float bestFit(const PatchGrid& grid, const Window& window, PatchStarts& starts) {
+  const ScoreImage& image = grid.image();
   std::array<std::pair<float, int>, kPatchStarts> ranks;
   for (int s = 0; s < kPatchStarts; ++s)
-    ranks[s] = {image.refine(window, patches.limit(), kFirstIterations, starts[s]), s};
+    ranks[s] = {image.refine(window, grid.limit(), kFirstIterations, starts[s]), s};
   std::partial_sort(ranks.begin(), ranks.begin() + 2, ranks.end());
   float best = ranks[0].first;
   for (int r = 0; r < 2; ++r)
-    best = std::min(
-        best, image.refine(window, patches.limit(), kLastIterations, starts[ranks[r].second]));
+    best = std::min(best,
+                    image.refine(window, grid.limit(), kLastIterations, starts[ranks[r].second]));
   return best;
 }
 
-// A window that waits to be searched for, and where its residual goes.
-struct Query {
-  Window window;
-  float* residual;
-};
-
 void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std::size_t e,
-                   Judge& judge, std::vector<Query>& queries) {
+                   Judge& judge) {
   const ScoreImage& image = judge.image();
   const std::uint64_t seed = hashBits(context.options.seed, judge.number, 17);
   // Any orientation is as good as any other in the free measure, so none is preferred.
@@ -170,32 +185,54 @@ void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std:
   };
   const Window first = perfect(0);
   judge.evaluated[e] = 1;
-  judge.codes[e] = judge.patches->encode(actual);
-  judge.perfectCodes[e] = judge.patches->encode(first);
-  judge.secondCodes[e] = judge.patches->encode(perfect(1));
-  queries.push_back({actual, &judge.residual[e]});
-  if (e % kPerfectShare == 0) queries.push_back({first, &judge.perfectResidual[e]});
+  judge.codes[e] = judge.coder->encode(actual);
+  judge.perfectCodes[e] = judge.coder->encode(first);
+  judge.secondCodes[e] = judge.coder->encode(perfect(1));
+  std::vector<Query>& queries = judge.queries[e / kGrain];
+  queries.push_back({actual, e, false});
+  if (e % kPerfectShare == 0) queries.push_back({first, e, true});
 }
 
-void evaluate(const Context& context, std::size_t begin, std::size_t end,
-              std::vector<Judge>& judges, Monitor& monitor) {
-  TangentPatch patch(context.input.points, context.input.neighborhoods, kNeighbours);
-  std::vector<std::vector<Query>> queries(judges.size());
-  for (std::size_t e = begin; e < end; ++e) {
-    monitor.checkpoint();
-    const Index centre = context.centres[e];
-    const auto flat = patch.grow(centre, frameAt(context.input, centre), context.radius);
-    for (std::size_t j = 0; j < judges.size(); ++j)
-      gatherWindows(context, flat, e, judges[j], queries[j]);
-  }
-  for (std::size_t j = 0; j < judges.size(); ++j) {
-    monitor.checkpoint();
+void gather(const Context& context, std::vector<Judge>& judges, Monitor& monitor) {
+  const auto body = [&](std::size_t begin, std::size_t end) {
+    TangentPatch patch(context.input.points, context.input.neighborhoods, kNeighbours);
+    for (std::size_t e = begin; e < end; ++e) {
+      monitor.checkpoint();
+      const Index centre = context.centres[e];
+      const bool all = e % kCoarsestShare == 0;
+      const auto flat =
+          patch.grow(centre, frameAt(context.input, centre), context.reach(all ? 2 : 1));
+      for (std::size_t j = 0; j < judges.size(); ++j)
+        if (all || j % kScales.size() < 2) gatherWindows(context, flat, e, judges[j]);
+    }
+  };
+  parallelFor(monitor, context.centres.size(), kGrain, body, true);
+}
+
+// Finds the residuals of all windows of a judge. The swatch's own windows need some memory, so they
+// are there for one judge at a time.
+void fit(Judge& judge, std::size_t points, Monitor& monitor) {
+  const ScorePatches patches(*judge.grid, *judge.coder, monitor);
+  std::vector<const Query*> queries;
+  for (const auto& chunk : judge.queries)
+    for (const Query& query : chunk) queries.push_back(&query);
+  parallelFor(monitor, queries.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<PatchCode> codes;
-    for (const Query& query : queries[j]) codes.push_back(judges[j].patches->encode(query.window));
-    const std::vector<PatchStarts> starts = judges[j].patches->search(codes);
-    for (std::size_t q = 0; q < codes.size(); ++q)
-      *queries[j][q].residual = bestFit(*judges[j].patches, queries[j][q].window, starts[q]);
-  }
+    for (std::size_t q = begin; q < end; ++q) {
+      const Query& query = *queries[q];
+      codes.push_back((query.perfect ? judge.perfectCodes : judge.codes)[query.point]);
+    }
+    std::vector<PatchStarts> starts = patches.search(codes, monitor);
+    for (std::size_t q = begin; q < end; ++q) {
+      monitor.checkpoint();
+      const Query& query = *queries[q];
+      (query.perfect ? judge.perfectResidual : judge.residual)[query.point] =
+          bestFit(*judge.grid, query.window, starts[q - begin]);
+    }
+  });
+  judge.queries.clear();
+  judge.queries.shrink_to_fit();
+  monitor.advance(points);
 }
 
 double percentile95(std::vector<double> values) {
@@ -286,14 +323,16 @@ std::vector<Judge> makeJudges(const Context& context,
     for (const auto& image : images) {
       Judge judge{.oriented = oriented, .number = judges.size()};
       const TurnLimit limit = oriented ? TurnLimit{kTolerance} : TurnLimit{};
-      judge.patches = std::make_unique<ScorePatches>(*image, limit, context.options.seed, monitor);
+      judge.grid = std::make_unique<PatchGrid>(*image, limit, context.options.seed);
+      judge.coder = std::make_unique<PatchCoder>(*judge.grid, monitor);
       const std::size_t count = context.centres.size();
+      judge.queries.resize((count + kGrain - 1) / kGrain);
       judge.residual.assign(count, kUnfit);
       judge.perfectResidual.assign(count, kUnfit);
       judge.codes.resize(count);
       judge.perfectCodes.resize(count);
       judge.secondCodes.resize(count);
-      judge.evaluated.assign(count, 0);
+      judge.evaluated = std::vector<std::uint8_t>(count);
       judges.push_back(std::move(judge));
     }
   }
@@ -310,19 +349,19 @@ TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, 
   if (ratio > kPrefilterFrom) prefiltered.stack[0] = blurSwatch(input.swatch, 0.5 * ratio);
   Swatch wrapped = prefiltered;
   wrapped.tileable = true;
-  Context context{input, options, prefiltered, wrapped,
-                  chooseCentres(input.points.size(), options)};
-  context.radius = static_cast<float>((kReach + kMargin) * ratio * kScales.back() * input.unit);
+  const TexelReader perfectReader(prefiltered, 0), wrappedReader(wrapped, 0);
+  const Context context{
+      input, options, perfectReader, wrappedReader, chooseCentres(input.points.size(), options),
+      ratio};
   std::vector<std::unique_ptr<ScoreImage>> images;
   for (double scale : kScales)
     images.push_back(std::make_unique<ScoreImage>(input.swatch, ratio * scale));
   std::vector<Judge> judges = makeJudges(context, images, monitor);
 
-  monitor.begin(Stage::Score, context.centres.size());
-  parallelFor(
-      monitor, context.centres.size(), kGrain,
-      [&](std::size_t begin, std::size_t end) { evaluate(context, begin, end, judges, monitor); },
-      true);
+  const std::size_t count = context.centres.size();
+  monitor.begin(Stage::Score, count * (1 + judges.size()));
+  gather(context, judges, monitor);
+  for (Judge& judge : judges) fit(judge, count, monitor);
 
   TextureScore score;
   for (std::size_t s = 0; s < kScales.size(); ++s)
