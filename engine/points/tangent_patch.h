@@ -25,6 +25,9 @@ class TangentPatch {
   // others roughly outward. `frame` belongs to the centre. Valid until the next call.
   std::span<const FlatPoint> grow(Index centre, const TangentFrame& frame, float radius);
 
+  // The centre's frame carried to the i-th point of the last map.
+  TangentFrame carriedFrame(std::size_t i) const { return {sites_[i].s, sites_[i].t, sites_[i].n}; }
+
  private:
   struct alignas(64) Site {
     vec3 position;

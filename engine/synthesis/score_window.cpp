@@ -40,6 +40,18 @@ float windowDistance(const Window& a, const Window& b) {
   return std::sqrt((sum[0] + sum[1] + sum[2]) / kWindowNumbers);
 }
 
+float windowDetail(const Window& window) {
+  Float4 sum{};
+  for (int i = 0; i < kWindowNodes; ++i) {
+    const bool last = i % kWindowSide == kWindowSide - 1;
+    const Float4 across = last ? Float4{} : window.node[i + 1] - window.node[i];
+    const Float4 along =
+        i + kWindowSide < kWindowNodes ? window.node[i + kWindowSide] - window.node[i] : Float4{};
+    sum += across * across + along * along;
+  }
+  return sumOf(sum);
+}
+
 void WindowSampler::place(std::span<const FlatPoint> points, float step, float turn) {
   const float cosine = std::cos(turn), sine = std::sin(turn), perStep = 1 / step;
   samples_.clear();

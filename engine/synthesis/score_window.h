@@ -22,6 +22,9 @@ struct Window {
 // Root mean square difference of all numbers of two windows.
 float windowDistance(const Window& a, const Window& b);
 
+// Sum of squared differences between nodes side by side.
+float windowDetail(const Window& window);
+
 // Resamples scattered colours to windows. The points are given once, their colours as often as
 // there are windows over them.
 class WindowSampler {
