@@ -119,15 +119,17 @@ TEST_CASE("the search proposes the place that a window came from, on every path 
   const ScoreImage image(swatch, 2);
   Workers workers(2);
   Monitor monitor(workers);
-  const ScorePatches patches(image, {}, 1, monitor);
+  const PatchGrid grid(image, {}, 1);
+  const PatchCoder coder(grid, monitor);
+  const ScorePatches patches(grid, coder, monitor);
   std::vector<PatchCode> codes;
   std::vector<Placement> truths;
   for (int trial = 0; trial < 50; ++trial) {
     truths.push_back(image.randomPlacement({}, 7, trial));
-    codes.push_back(patches.encode(image.read(truths.back())));
+    codes.push_back(coder.encode(image.read(truths.back())));
   }
-  const auto starts = patches.search(codes);
-  const auto portable = patches.search(codes, SearchPath::Portable);
+  const auto starts = patches.search(codes, monitor);
+  const auto portable = patches.search(codes, monitor, SearchPath::Portable);
   CHECK(std::memcmp(starts.data(), portable.data(), starts.size() * sizeof(PatchStarts)) == 0);
   int found = 0;
   for (std::size_t q = 0; q < codes.size(); ++q) {

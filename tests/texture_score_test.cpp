@@ -56,13 +56,12 @@ vec2 asItIs(vec2 p) {
   return p;
 }
 
-// What has to score high is evaluated at as many points as the measure's figures are for: at 400
-// the F of one and the same perfect plane lies anywhere between 0.87 and 1, by the seed.
-constexpr std::size_t kFull = 2000;
+// What has to score high is evaluated at more points: the fewer, the more chance takes off.
+constexpr std::size_t kFull = 800;
 
 struct Ask {
   const std::vector<vec3>* directions = nullptr;
-  std::size_t points = 400;
+  std::size_t points = 200;
   unsigned threads = 2;
 };
 
@@ -91,7 +90,7 @@ TEST_CASE("a perfect plane scores high, a stretched one nearly so, and a mirrore
     CHECK(scored(plane(), stretched, swatch, {.points = kFull}).F >= 0.9);
     for (int s = 0; s < 3; ++s) {
       CHECK(perfect.free[s].step == doctest::Approx(std::exp2(s)).epsilon(0.1));
-      CHECK(perfect.free[s].windows > 200);
+      CHECK(perfect.free[s].windows > 100);
       CHECK(perfect.free[s].defects <= 0.05);
       CHECK(perfect.free[s].residual < 1.3 * perfect.free[s].residualFloor);
     }
@@ -116,7 +115,7 @@ TEST_CASE("random pixels and the mean colour score nothing, and blur is not take
 
   Swatch soft = swatch;
   soft.stack = {blurSwatch(swatch, 1.2)};
-  CHECK(scored(plane(), paint(plane(), soft, asItIs), swatch).F <= 0.85);
+  CHECK(scored(plane(), paint(plane(), soft, asItIs), swatch).F <= 0.7);
 }
 
 TEST_CASE("the oriented figures see a turn that the free ones allow") {

@@ -6,7 +6,7 @@
 #include "points/tangent_patch.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 
 #include "base/errors.h"
@@ -14,46 +14,25 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kInitialTable = 1u << 12;
-constexpr std::uint32_t kWaiting = 0x80000000u, kOutside = 0xffffffffu;
+constexpr std::uint32_t kWaiting = 0x80000000u, kOutside = 0xfffffffeu, kUnseen = 0xffffffffu;
 constexpr float kRingSpacings = 0.75f;  // width of a ring in distances of the sixth neighbour
 constexpr float kSteepest = 1e-4f;  // squared cosine below which an offset has no tangential part
 constexpr int kContributors = 4;
 constexpr std::size_t kQueued = 8;  // neighbours that a placed point puts in the queue
+constexpr std::size_t kMostUsed = 64;
 
 }  // namespace
 
 TangentPatch::TangentPatch(const PointSet& points, const Neighborhoods& neighborhoods,
                            std::size_t used)
-    : points_(points),
-      neighborhoods_(neighborhoods),
-      used_(used),
-      table_(kInitialTable),
-      tableShift_(64 - std::countr_zero(kInitialTable)) {
+    : points_(points), neighborhoods_(neighborhoods), used_(used), status_(points.size(), kUnseen) {
   DAPPLE_CHECK(used, <=, neighborhoods.k);
+  DAPPLE_CHECK(used, <=, kMostUsed);
   DAPPLE_CHECK(points.normals.size(), ==, points.size());
 }
 
-// Ids are in Morton order, so eight that follow each other share a cache line of slots; only the
-// lines are scattered.
-TangentPatch::Slot& TangentPatch::slotOf(Index id) {
-  const std::size_t mask = table_.size() - 1;
-  const std::uint64_t line = ((id >> 3) * 0x9e3779b97f4a7c15ull) >> tableShift_;
-  std::size_t at = ((line & ~std::uint64_t{7}) | (id & 7u)) & mask;
-  while (table_[at].id != id && table_[at].id != kNone) at = (at + 1) & mask;
-  return table_[at];
-}
-
-void TangentPatch::widenTable() {
-  std::vector<Slot> old(table_.size() * 2);
-  old.swap(table_);
-  --tableShift_;
-  for (const Slot& slot : old)
-    if (slot.id != kNone) slotOf(slot.id) = slot;
-}
-
 void TangentPatch::place(Index id, const Site& site) {
-  slotOf(id).value = static_cast<std::uint32_t>(sites_.size());
+  status_[id] = static_cast<std::uint32_t>(sites_.size());
   sites_.push_back(site);
   flat_.push_back({id, site.flat});
 }
@@ -66,17 +45,15 @@ void TangentPatch::queueNeighbours(Index id) {
   for (std::size_t j = 0; j < std::min(kQueued, used_); ++j) {
     const auto ring = static_cast<std::uint32_t>((reached + distances[j]) / ringWidth_);
     if (ring >= ringCount_) break;  // the others are no nearer
-    Slot& slot = slotOf(ids[j]);
-    if (slot.id == kNone) {
+    std::uint32_t& status = status_[ids[j]];
+    if (status == kUnseen) {
       if (glm::dot(normal, points_.normals[ids[j]]) <= 0) continue;
-      slot.id = ids[j];
-      ++tableFill_;
-    } else if (slot.value < kWaiting || slot.value <= kWaiting + ring || slot.value == kOutside) {
+      seen_.push_back(ids[j]);
+    } else if (status <= kWaiting + ring || status == kOutside) {
       continue;
     }
-    slot.value = kWaiting + ring;
+    status = kWaiting + ring;
     rings_[ring].push_back(ids[j]);
-    if (2 * tableFill_ > table_.size()) widenTable();
   }
 }
 
@@ -87,14 +64,19 @@ void TangentPatch::queueNeighbours(Index id) {
 // must not be shortened (methods 2.2).
 bool TangentPatch::transfer(Index id, Site& site) {
   const vec3 pF = points_.positions[id], nF = points_.normals[id];
+  // Who is placed, without a branch that cannot be foreseen.
+  std::array<std::uint32_t, kMostUsed> placed;
+  std::size_t count = 0;
+  for (const Index j : neighborhoods_.of(id).first(used_)) {
+    placed[count] = status_[j];
+    count += status_[j] < kWaiting;
+  }
   float sumW = 0;
   vec2 q(0);
   vec3 n(0), t(0);
   int asked = 0;
-  for (const Index j : neighborhoods_.of(id).first(used_)) {
-    const Slot& slot = slotOf(j);
-    if (slot.id == kNone || slot.value >= kWaiting) continue;
-    const Site& P = sites_[slot.value];
+  for (std::size_t c = 0; c < count; ++c) {
+    const Site& P = sites_[placed[c]];
     if (glm::dot(P.n, nF) <= 0) continue;
     const vec3 V = pF - P.position;
     const float L2 = glm::dot(V, V), h = glm::dot(V, P.n), m2 = L2 - h * h;
@@ -122,8 +104,8 @@ bool TangentPatch::transfer(Index id, Site& site) {
 
 std::span<const FlatPoint> TangentPatch::grow(Index centre, const TangentFrame& frame,
                                               float radius) {
-  std::fill(table_.begin(), table_.end(), Slot{});
-  tableFill_ = 1;
+  for (const Index id : seen_) status_[id] = kUnseen;
+  seen_.assign(1, centre);
   sites_.clear();
   flat_.clear();
   const float near = neighborhoods_.distancesOf(centre)[std::min<std::size_t>(5, used_ - 1)];
@@ -132,17 +114,16 @@ std::span<const FlatPoint> TangentPatch::grow(Index centre, const TangentFrame& 
   if (rings_.size() < ringCount_) rings_.resize(ringCount_);
   for (auto& ring : rings_) ring.clear();
 
-  slotOf(centre).id = centre;
   place(centre, {points_.positions[centre], frame.s, frame.t, frame.n, vec2(0)});
   queueNeighbours(centre);
   for (std::uint32_t r = 0; r < ringCount_; ++r) {
     for (std::size_t i = 0; i < rings_[r].size(); ++i) {  // the ring grows while it is walked
       const Index id = rings_[r][i];
-      if (slotOf(id).value != kWaiting + r) continue;  // placed, or queued nearer, meanwhile
+      if (status_[id] != kWaiting + r) continue;  // placed, or queued nearer, meanwhile
       Site site;
       if (!transfer(id, site)) continue;
       if (glm::length(site.flat) > radius) {
-        slotOf(id).value = kOutside;
+        status_[id] = kOutside;
         continue;
       }
       place(id, site);

@@ -25,19 +25,16 @@ class TangentPatch {
   // others roughly outward. `frame` belongs to the centre. Valid until the next call.
   std::span<const FlatPoint> grow(Index centre, const TangentFrame& frame, float radius);
 
+  // The centre's frame carried to the i-th point of the last map.
+  TangentFrame carriedFrame(std::size_t i) const { return {sites_[i].s, sites_[i].t, sites_[i].n}; }
+
  private:
-  struct Slot {  // of an open-addressing table
-    Index id = kNone;
-    std::uint32_t value = 0;  // kWaiting + ring, kOutside, or the index of the site
-  };
   struct alignas(64) Site {
     vec3 position;
     vec3 s, t, n;  // transported axes
     vec2 flat;
   };
 
-  Slot& slotOf(Index id);
-  void widenTable();
   void place(Index id, const Site& site);
   void queueNeighbours(Index id);
   bool transfer(Index id, Site& site);
@@ -45,9 +42,8 @@ class TangentPatch {
   const PointSet& points_;
   const Neighborhoods& neighborhoods_;
   std::size_t used_;
-  std::vector<Slot> table_;
-  int tableShift_ = 0;
-  std::size_t tableFill_ = 0;
+  std::vector<std::uint32_t> status_;  // n: kUnseen, kWaiting + ring, or the index of the site
+  std::vector<Index> seen_;            // that are not kUnseen
   std::vector<Site> sites_;
   std::vector<FlatPoint> flat_;
   std::vector<std::vector<Index>> rings_;  // waiting points by distance from the centre

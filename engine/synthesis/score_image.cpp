@@ -11,7 +11,8 @@
 namespace dapple {
 namespace {
 
-constexpr float kLeastStretch = 0.7f, kMostStretch = 1.4f;
+// The study allowed 0.7 to 1.4, which makes more of a mirrored shape fit than of a true one.
+constexpr float kLeastStretch = 0.8f, kMostStretch = 1.25f;
 constexpr float kFirstDamping = 1e-2f;
 constexpr float kSettled = 2e-3f;  // steps of a parameter (window nodes) below which it has settled
 // A window of the surface may reach a step beyond its border, where nodes see only what is inside;

@@ -45,7 +45,7 @@ class ScoreImage {
 
   Window read(const Placement& placement) const;
 
-  // Moves, turns and stretches `placement` (singular values 0.7 to 1.4, never mirrored) to bring
+  // Moves, turns and stretches `placement` (singular values 0.8 to 1.25, never mirrored) to bring
   // its window nearer to `target`: at most `iterations` steps of Levenberg-Marquardt. Returns the
   // distance reached (as windowDistance), never more than at the start.
   float refine(const Window& target, TurnLimit limit, int iterations, Placement& placement) const;

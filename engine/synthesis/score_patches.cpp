@@ -12,14 +12,19 @@
 namespace dapple {
 namespace {
 
-// The study had 6000: on a 256 x 256 swatch they lie 3.3 pixels apart, and one perfect window in
-// thirty was not found.
-constexpr std::size_t kPlaces = 12000;
-constexpr std::size_t kTurns = 16;
+// Places lie so many steps apart (the windows are blurred by half a step) as far as the bounds
+// allow. The study had 6000 of them at every scale: more than a small swatch needs, and at step 2
+// of one of 256 x 256 pixels one perfect window in thirty was not found.
+constexpr double kPlaceSteps = 1.25;
+constexpr std::size_t kFewestPlaces = 768, kMostPlaces = 16384;
+constexpr std::size_t kFreeTurns = 16, kLimitedTurns = 4;
 constexpr std::size_t kParts = 48;
 constexpr std::size_t kTrainingWindows = 6000;
-constexpr std::size_t kGrain = 32;      // places encoded together
-constexpr std::size_t kQueryBlock = 8;  // codes that share one pass over the places
+constexpr std::size_t kBlock = 64;  // windows that are compared, or passed over, together
+constexpr std::size_t kTile = 4;    // blocks that stay in the nearest cache for all codes
+constexpr int kHead = 8;            // components that decide whether the others are looked at
+constexpr std::size_t kHeadSize = (kHead + 1) * kBlock;
+constexpr std::size_t kTailSize = (kPatchNumbers - kHead + 1) * kBlock;
 constexpr float kNoWindow = 1e30f;
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -39,144 +44,160 @@ void flatten(const Window& window, float* numbers) {
     for (int c = 0; c < 3; ++c) numbers[3 * i + c] = window.node[i][c];
 }
 
-// The nearest window of every part, for a block of codes.
+// The nearest window of a part so far.
 struct PartBest {
-  float key = kNoWindow;  // |code|^2 / 2 - query . code
+  float key = kNoWindow;  // |code|^2 / 2 - query . code: the squared distance but for a constant
   std::uint32_t window = 0;
 };
-using PartBests = std::array<PartBest, kParts>;
 
-struct SearchTable {
-  const float* codes;
-  const float* halfNorms;
-  std::size_t places;
+// A code that is searched for.
+struct Query {
+  PatchCode code{};
+  float tailHalf = 0;  // half the sum of squares of its tail
+  std::array<PartBest, kParts> parts;
+  std::array<float, kPatchStarts> least;  // keys of the nearest parts, ascending
+
+  explicit Query(const PatchCode& c) : code(c) {
+    for (int d = kHead; d < kPatchNumbers; ++d) tailHalf += 0.5f * code[d] * code[d];
+    least.fill(kNoWindow);
+  }
 };
 
-// Each lane is one turn and adds up its own products in order, so every vector width gives the
-// same bits.
-template <class Lanes, class Ids>
-[[gnu::always_inline]] inline void searchPart(const SearchTable& table, std::size_t part,
-                                              const PatchCode* queries, PartBests* bests) {
-  constexpr std::size_t kWidth = sizeof(Lanes) / sizeof(float);
-  const std::size_t begin = part * table.places / kParts, end = (part + 1) * table.places / kParts;
-  for (std::size_t lane = 0; lane < kTurns; lane += kWidth) {
-    Lanes best[kQueryBlock];
-    Ids where[kQueryBlock];
-    for (std::size_t q = 0; q < kQueryBlock; ++q) {
-      best[q] = Lanes{} + kNoWindow;
-      where[q] = Ids{};
+using Lanes = float __attribute__((vector_size(64)));
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(float), kRows = kBlock / kLanes;
+
+[[gnu::always_inline]] inline float leastOf(const Lanes* rows) {
+  Lanes least = rows[0];
+  for (std::size_t r = 1; r < kRows; ++r) least = rows[r] < least ? rows[r] : least;
+  float values[kLanes];
+  std::memcpy(values, &least, sizeof(values));
+  for (std::size_t half = kLanes / 2; half > 0; half /= 2)
+    for (std::size_t l = 0; l < half; ++l) values[l] = std::min(values[l], values[l + half]);
+  return values[0];
+}
+
+// Subtracts `count` products from the keys of a block.
+[[gnu::always_inline]] inline void subtractProducts(const float* numbers, const float* factors,
+                                                    int count, Lanes* keys) {
+  for (int d = 0; d < count; ++d)
+    for (std::size_t r = 0; r < kRows; ++r) {
+      Lanes value;
+      std::memcpy(&value, numbers + d * kBlock + r * kLanes, sizeof(value));
+      keys[r] -= value * factors[d];
     }
-    for (std::size_t place = begin; place < end; ++place) {
-      const float* codes = table.codes + place * kPatchNumbers * kTurns + lane;
-      Lanes key[kQueryBlock], code;
-      std::memcpy(&code, table.halfNorms + place * kTurns + lane, sizeof(Lanes));
-      for (std::size_t q = 0; q < kQueryBlock; ++q) key[q] = code;
-      for (int d = 0; d < kPatchNumbers; ++d) {
-        std::memcpy(&code, codes + d * kTurns, sizeof(Lanes));
-        for (std::size_t q = 0; q < kQueryBlock; ++q) key[q] -= code * queries[q][d];
-      }
-      for (std::size_t q = 0; q < kQueryBlock; ++q) {
-        const Ids nearer = key[q] < best[q];
-        best[q] = nearer ? key[q] : best[q];
-        where[q] = nearer ? Ids{} + static_cast<std::int32_t>(place) : where[q];
-      }
-    }
-    for (std::size_t q = 0; q < kQueryBlock; ++q) {
-      PartBest& least = bests[q][part];
-      for (std::size_t l = 0; l < kWidth; ++l) {
-        const auto window = static_cast<std::uint32_t>(where[q][l] * kTurns + lane + l);
-        if (best[q][l] < least.key || (best[q][l] == least.key && window < least.window))
-          least = {best[q][l], window};
-      }
-    }
+}
+
+// Blocks that follow each other.
+struct Tile {
+  const float *head, *tail;
+  std::size_t blocks;
+  std::uint32_t firstWindow;
+};
+
+// A block's windows are nearer than `least` only if they are by their heads alone, were their tails
+// the query's own: most blocks are passed over. Whether is decided for a whole block, and each
+// window adds up its own products in order, so every vector width gives the same bits.
+[[gnu::always_inline]] inline void searchTile(const Tile& tile, const Query& query,
+                                              PartBest& best) {
+  float least = std::min(best.key, query.least.back());
+  for (std::size_t b = 0; b < tile.blocks; ++b) {
+    const float *head = tile.head + b * kHeadSize, *tail = tile.tail + b * kTailSize;
+    Lanes keys[kRows];
+    std::memcpy(keys, head, sizeof(keys));
+    subtractProducts(head + kBlock, query.code.data(), kHead, keys);
+    if (!(leastOf(keys) - query.tailHalf < least)) continue;
+    Lanes more[kRows];
+    std::memcpy(more, tail, sizeof(more));
+    for (std::size_t r = 0; r < kRows; ++r) keys[r] += more[r];
+    subtractProducts(tail + kBlock, query.code.data() + kHead, kPatchNumbers - kHead, keys);
+    const float nearest = leastOf(keys);
+    if (!(nearest < least)) continue;
+    float values[kBlock];
+    std::memcpy(values, keys, sizeof(values));
+    std::uint32_t w = 0;
+    while (values[w] != nearest) ++w;
+    best = {nearest, tile.firstWindow + static_cast<std::uint32_t>(b * kBlock) + w};
+    least = nearest;
   }
 }
 
-using Int4 = std::int32_t __attribute__((vector_size(16)));
-using Float8 = float __attribute__((vector_size(32)));
-using Int8 = std::int32_t __attribute__((vector_size(32)));
+using SearchTile = void (*)(const Tile&, const Query&, PartBest&);
 
-using Float16 = float __attribute__((vector_size(64)));
-using Int16 = std::int32_t __attribute__((vector_size(64)));
-using SearchPart = void (*)(const SearchTable&, std::size_t, const PatchCode*, PartBests*);
-
-void searchPartBase(const SearchTable& table, std::size_t part, const PatchCode* queries,
-                    PartBests* bests) {
-  searchPart<Float4, Int4>(table, part, queries, bests);
+void searchTileBase(const Tile& tile, const Query& query, PartBest& best) {
+  searchTile(tile, query, best);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void searchPartAvx2(const SearchTable& table, std::size_t part,
-                                                    const PatchCode* queries, PartBests* bests) {
-  searchPart<Float8, Int8>(table, part, queries, bests);
+__attribute__((target("avx2"))) void searchTileAvx2(const Tile& tile, const Query& query,
+                                                    PartBest& best) {
+  searchTile(tile, query, best);
 }
 
-__attribute__((target("avx512f"))) void searchPartAvx512(const SearchTable& table, std::size_t part,
-                                                         const PatchCode* queries,
-                                                         PartBests* bests) {
-  searchPart<Float16, Int16>(table, part, queries, bests);
+__attribute__((target("avx512f"))) void searchTileAvx512(const Tile& tile, const Query& query,
+                                                         PartBest& best) {
+  searchTile(tile, query, best);
 }
 #endif
 
-SearchPart searchPartFor(SearchPath path) {
-  if (path == SearchPath::Portable) return searchPartBase;
+SearchTile searchTileFor(SearchPath path) {
+  if (path == SearchPath::Portable) return searchTileBase;
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f")) return searchPartAvx512;
-  if (__builtin_cpu_supports("avx2")) return searchPartAvx2;
+  if (__builtin_cpu_supports("avx512f")) return searchTileAvx512;
+  if (__builtin_cpu_supports("avx2")) return searchTileAvx2;
 #endif
-  return searchPartBase;
+  return searchTileBase;
+}
+
+std::size_t roundedUp(std::size_t count, std::size_t multiple) {
+  return (count + multiple - 1) / multiple * multiple;
 }
 
 }  // namespace
 
-ScorePatches::ScorePatches(const ScoreImage& image, TurnLimit limit, std::uint64_t seed,
-                           Monitor& monitor)
-    : image_(image), limit_(limit) {
-  choosePlaces(seed);
-  findComponents(monitor);
-  encodePlaces(monitor);
-}
-
-Placement ScorePatches::placementOf(std::size_t place, std::size_t turn) const {
-  const float span = 2 * std::min(limit_.angle, std::numbers::pi_v<float>);
-  const float angle = (firstTurns_[place] + static_cast<float>(turn)) / kTurns * span - 0.5f * span;
-  return turnedPlacement(places_[place], angle);
-}
-
 // The R2 sequence (Roberts 2018) covers the image evenly at any length.
-void ScorePatches::choosePlaces(std::uint64_t seed) {
+PatchGrid::PatchGrid(const ScoreImage& image, TurnLimit limit, std::uint64_t seed)
+    : image_(image),
+      limit_(limit),
+      turns_(limit.angle < std::numbers::pi_v<float> ? kLimitedTurns : kFreeTurns) {
   const float w = static_cast<float>(image_.width()), h = static_cast<float>(image_.height());
   // Where no window may cross the border, none has its centre near it.
   const float rim = image_.wraps() ? 0.0f : (kWindowReach - 1) * image_.step() + 0.5f;
   const double area = static_cast<double>(w - 2 * rim) * (h - 2 * rim);
+  const double wanted = area / std::pow(kPlaceSteps * image_.step(), 2);
   const auto count = static_cast<std::size_t>(
-      std::clamp(area, static_cast<double>(kParts), static_cast<double>(kPlaces)));
-  std::vector<vec2> unit(count);
-  for (std::size_t i = 0; i < count; ++i) {
+      std::clamp(wanted, static_cast<double>(kFewestPlaces), static_cast<double>(kMostPlaces)));
+  std::vector<vec2> unit(roundedUp(count, kBlock / turns_));
+  for (std::size_t i = 0; i < unit.size(); ++i) {
     const double k = static_cast<double>(i);
     unit[i] = {std::fmod(0.5 + k * 0.7548776662466927, 1.0),
                std::fmod(0.5 + k * 0.5698402909980532, 1.0)};
   }
   std::stable_sort(unit.begin(), unit.end(),
                    [](const vec2& a, const vec2& b) { return zOrder(a) < zOrder(b); });
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < unit.size(); ++i) {
     places_.push_back(rim + unit[i] * vec2(w - 2 * rim, h - 2 * rim));
     firstTurns_.push_back(hashUniform(seed, i, 71));
   }
 }
 
-void ScorePatches::findComponents(Monitor& monitor) {
+Placement PatchGrid::placement(std::size_t window) const {
+  const std::size_t place = window / turns_;
+  const float turn = firstTurns_[place] + static_cast<float>(window % turns_);
+  const float span = 2 * std::min(limit_.angle, std::numbers::pi_v<float>);
+  return turnedPlacement(places_[place], turn / static_cast<float>(turns_) * span - 0.5f * span);
+}
+
+PatchCoder::PatchCoder(const PatchGrid& grid, Monitor& monitor) {
   monitor.checkpoint();
+  const ScoreImage& image = grid.image();
   std::vector<std::size_t> windows;
-  for (std::size_t i = 0; i < places_.size() * kTurns; ++i)
-    if (image_.holds(placementOf(i / kTurns, i % kTurns))) windows.push_back(i);
+  for (std::size_t i = 0; i < grid.windows(); ++i)
+    if (image.holds(grid.placement(i))) windows.push_back(i);
   DAPPLE_CHECK(windows.size(), >, std::size_t{0});
   const std::size_t used = std::min(windows.size(), kTrainingWindows);
   RowMatrix data(used, kWindowNumbers);
-  for (std::size_t i = 0; i < used; ++i) {
-    const std::size_t pick = windows[i * windows.size() / used];
-    flatten(image_.read(placementOf(pick / kTurns, pick % kTurns)), data.row(i).data());
-  }
+  for (std::size_t i = 0; i < used; ++i)
+    flatten(image.read(grid.placement(windows[i * windows.size() / used])), data.row(i).data());
   const Eigen::RowVectorXf mean = data.colwise().mean();
   data.rowwise() -= mean;
   monitor.checkpoint();
@@ -185,37 +206,14 @@ void ScorePatches::findComponents(Monitor& monitor) {
   monitor.checkpoint();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(covariance);
   components_.resize(kWindowNumbers * kPatchNumbers);
+  // The largest first, for a code's head to tell the most.
   Eigen::Map<RowMatrix>(components_.data(), kWindowNumbers, kPatchNumbers) =
-      solver.eigenvectors().rightCols(kPatchNumbers);
+      solver.eigenvectors().rightCols(kPatchNumbers).rowwise().reverse();
   Eigen::Map<Eigen::RowVectorXf>(mean_.data(), kWindowNumbers) = mean;
 }
 
-void ScorePatches::encodePlaces(Monitor& monitor) {
-  const std::size_t places = places_.size();
-  codes_.resize(places * kPatchNumbers * kTurns);
-  halfNorms_.assign(places * kTurns, kNoWindow);
-  const Eigen::Map<const RowMatrix> components(components_.data(), kWindowNumbers, kPatchNumbers);
-  const Eigen::Map<const Eigen::RowVectorXf> mean(mean_.data(), kWindowNumbers);
-  parallelFor(monitor, places, kGrain, [&](std::size_t begin, std::size_t end) {
-    const std::size_t windows = (end - begin) * kTurns;
-    RowMatrix data(windows, kWindowNumbers);
-    for (std::size_t i = 0; i < windows; ++i) {
-      const Placement placement = placementOf(begin + i / kTurns, i % kTurns);
-      if (image_.holds(placement)) halfNorms_[begin * kTurns + i] = 0;
-      flatten(image_.read(placement), data.row(i).data());
-    }
-    data.rowwise() -= mean;
-    const RowMatrix codes = data * components;
-    for (std::size_t i = 0; i < windows; ++i) {
-      halfNorms_[begin * kTurns + i] += 0.5f * codes.row(i).squaredNorm();
-      float* turns = codes_.data() + (begin + i / kTurns) * kPatchNumbers * kTurns + i % kTurns;
-      for (int d = 0; d < kPatchNumbers; ++d) turns[d * kTurns] = codes(i, d);
-    }
-  });
-}
-
-PatchCode ScorePatches::encode(const Window& window) const {
-  Numbers numbers;
+PatchCode PatchCoder::encode(const Window& window) const {
+  std::array<float, kWindowNumbers> numbers;
   flatten(window, numbers.data());
   PatchCode code{};
   for (int i = 0; i < kWindowNumbers; ++i) {
@@ -225,29 +223,72 @@ PatchCode ScorePatches::encode(const Window& window) const {
   return code;
 }
 
-std::vector<PatchStarts> ScorePatches::search(std::span<const PatchCode> codes,
+void PatchCoder::encodeRows(std::size_t rows, std::span<float> numbers,
+                            std::span<float> codes) const {
+  DAPPLE_CHECK(numbers.size(), ==, rows * kWindowNumbers);
+  DAPPLE_CHECK(codes.size(), ==, rows * kPatchNumbers);
+  const auto count = static_cast<Eigen::Index>(rows);
+  Eigen::Map<RowMatrix> data(numbers.data(), count, kWindowNumbers);
+  data.rowwise() -= Eigen::Map<const Eigen::RowVectorXf>(mean_.data(), kWindowNumbers);
+  Eigen::Map<RowMatrix>(codes.data(), count, kPatchNumbers).noalias() =
+      data * Eigen::Map<const RowMatrix>(components_.data(), kWindowNumbers, kPatchNumbers);
+}
+
+ScorePatches::ScorePatches(const PatchGrid& grid, const PatchCoder& coder, Monitor& monitor)
+    : grid_(grid),
+      blocks_(grid.windows() / kBlock),
+      heads_(blocks_ * kHeadSize),
+      tails_(blocks_ * kTailSize) {
+  parallelFor(monitor, blocks_, kTile, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> numbers(kBlock * kWindowNumbers), codes(kBlock * kPatchNumbers);
+    for (std::size_t b = begin; b < end; ++b) {
+      float *head = heads_.data() + b * kHeadSize, *tail = tails_.data() + b * kTailSize;
+      for (std::size_t i = 0; i < kBlock; ++i) {
+        const Placement placement = grid.placement(b * kBlock + i);
+        head[i] = grid.image().holds(placement) ? 0 : kNoWindow;
+        flatten(grid.image().read(placement), numbers.data() + i * kWindowNumbers);
+      }
+      coder.encodeRows(kBlock, numbers, codes);
+      for (std::size_t i = 0; i < kBlock; ++i)
+        for (std::size_t d = 0; d < kPatchNumbers; ++d) {
+          const float value = codes[i * kPatchNumbers + d];
+          float* half = d < kHead ? head : tail;
+          half[i] += 0.5f * value * value;
+          half[(d < kHead ? d + 1 : d + 1 - kHead) * kBlock + i] = value;
+        }
+    }
+  });
+}
+
+std::vector<PatchStarts> ScorePatches::search(std::span<const PatchCode> codes, Monitor& monitor,
                                               SearchPath path) const {
-  const SearchTable table{codes_.data(), halfNorms_.data(), places_.size()};
-  const SearchPart searchPartOn = searchPartFor(path);
-  const std::size_t blocks = (codes.size() + kQueryBlock - 1) / kQueryBlock;
-  std::vector<PatchCode> queries(codes.begin(), codes.end());
-  queries.resize(blocks * kQueryBlock, PatchCode{});
-  std::vector<PartBests> bests(queries.size());
-  for (std::size_t part = 0; part < kParts; ++part)  // a part stays in the cache for all codes
-    for (std::size_t first = 0; first < queries.size(); first += kQueryBlock)
-      searchPartOn(table, part, queries.data() + first, bests.data() + first);
+  const SearchTile searchTileOn = searchTileFor(path);
+  std::vector<Query> queries(codes.begin(), codes.end());
+  for (std::size_t part = 0; part < kParts; ++part) {
+    monitor.checkpoint();
+    const std::size_t end = (part + 1) * blocks_ / kParts;
+    for (std::size_t b = part * blocks_ / kParts; b < end; b += kTile) {
+      const Tile tile{heads_.data() + b * kHeadSize, tails_.data() + b * kTailSize,
+                      std::min(kTile, end - b), static_cast<std::uint32_t>(b * kBlock)};
+      for (Query& query : queries) searchTileOn(tile, query, query.parts[part]);
+    }
+    for (Query& query : queries) {
+      float key = query.parts[part].key;
+      for (float& least : query.least)
+        if (key < least) std::swap(key, least);
+    }
+  }
 
   std::vector<PatchStarts> starts(codes.size());
   for (std::size_t q = 0; q < codes.size(); ++q) {
-    std::partial_sort(bests[q].begin(), bests[q].begin() + kPatchStarts, bests[q].end(),
+    auto& parts = queries[q].parts;
+    std::partial_sort(parts.begin(), parts.begin() + kPatchStarts, parts.end(),
                       [](const PartBest& a, const PartBest& b) {
                         return a.key != b.key ? a.key < b.key : a.window < b.window;
                       });
-    for (int s = 0; s < kPatchStarts; ++s) {
-      // A part may have no window at all (holes); the best one then stands in for it.
-      const PartBest& best = bests[q][s].key < kNoWindow / 2 ? bests[q][s] : bests[q][0];
-      starts[q][s] = placementOf(best.window / kTurns, best.window % kTurns);
-    }
+    // A part may have no window at all (holes); the best one then stands in for it.
+    for (int s = 0; s < kPatchStarts; ++s)
+      starts[q][s] = grid_.placement(parts[parts[s].key < kNoWindow / 2 ? s : 0].window);
   }
   return starts;
 }

@@ -20,37 +20,57 @@ using PatchStarts = std::array<Placement, kPatchStarts>;
 // Which code searches; all give the same bits. Best: the widest that the processor knows.
 enum class SearchPath { Best, Portable };
 
-class ScorePatches {
+// Windows of an image at places spread evenly over it, each in several turns: the full circle's, or
+// those within the limit.
+class PatchGrid {
  public:
-  // Up to 12000 places x 16 turns (over the full circle, or evenly within the limit). `image` is
-  // kept by reference. Throws Cancelled.
-  ScorePatches(const ScoreImage& image, TurnLimit limit, std::uint64_t seed, Monitor& monitor);
+  PatchGrid(const ScoreImage& image, TurnLimit limit, std::uint64_t seed);  // keeps the image
 
-  TurnLimit limit() const { return limit_; }
   const ScoreImage& image() const { return image_; }
+  TurnLimit limit() const { return limit_; }
+  std::size_t windows() const { return places_.size() * turns_; }
+  Placement placement(std::size_t window) const;
+
+ private:
+  const ScoreImage& image_;
+  TurnLimit limit_;
+  std::size_t turns_;  // a place
+  std::vector<vec2> places_;
+  std::vector<float> firstTurns_;  // one a place
+};
+
+// The principal components of a grid's windows.
+class PatchCoder {
+ public:
+  PatchCoder(const PatchGrid& grid, Monitor& monitor);  // throws Cancelled
 
   PatchCode encode(const Window& window) const;
+  // 24 numbers a row from rows of 192; `numbers` is used up.
+  void encodeRows(std::size_t rows, std::span<float> numbers, std::span<float> codes) const;
+
+ private:
+  std::array<float, kWindowNumbers> mean_{};
+  std::vector<float> components_;  // kWindowNumbers x kPatchNumbers
+};
+
+// The codes of all windows of a grid, to be searched.
+class ScorePatches {
+ public:
+  // Both are kept by reference. Throws Cancelled.
+  ScorePatches(const PatchGrid& grid, const PatchCoder& coder, Monitor& monitor);
 
   // For each code the placements whose codes are nearest, nearest first, each from another part of
-  // the swatch (48 parts).
-  std::vector<PatchStarts> search(std::span<const PatchCode> codes,
+  // the swatch (48 parts). Throws Cancelled.
+  std::vector<PatchStarts> search(std::span<const PatchCode> codes, Monitor& monitor,
                                   SearchPath path = SearchPath::Best) const;
 
  private:
-  using Numbers = std::array<float, kWindowNumbers>;
-  Placement placementOf(std::size_t place, std::size_t turn) const;
-  void choosePlaces(std::uint64_t seed);
-  void findComponents(Monitor& monitor);
-  void encodePlaces(Monitor& monitor);
-
-  const ScoreImage& image_;
-  TurnLimit limit_;
-  std::vector<vec2> places_;
-  std::vector<float> firstTurns_;  // one a place
-  Numbers mean_{};
-  std::vector<float> components_;  // kWindowNumbers x kPatchNumbers
-  std::vector<float> codes_;       // places x kPatchNumbers x 16 turns
-  std::vector<float> halfNorms_;   // places x 16: |code|^2 / 2, huge where no window fits
+  const PatchGrid& grid_;
+  std::size_t blocks_;
+  // Blocks of windows, each a number after the other for all windows of the block. The head holds
+  // the first components and half the sum of their squares (huge where no window fits), the tail
+  // the others.
+  std::vector<float> heads_, tails_;
 };
 
 }  // namespace dapple

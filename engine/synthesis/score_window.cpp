@@ -16,14 +16,13 @@ constexpr int kPaddedSide = kWindowSide + 2 * kRim;
 const float kLeastWeight = std::exp(-2 * 1.6f * 1.6f);
 constexpr float kChance = 3;  // standard deviations
 
-// Gaussian of half a step at the four nodes from `first` on, seen from x (both in steps).
+// Gaussian of half a step at the four nodes from `first` on, seen from x (both in steps): with
+// x - first = d, exp(-2 (d - i)^2) = exp(-2 d^2) exp(4 d)^i exp(-2 i^2).
 Float4 fourWeights(float x, float first) {
-  Float4 weights{};
-  for (int i = 0; i < 4; ++i) {
-    const float d = x - (first + static_cast<float>(i));
-    weights[i] = std::exp(-2 * d * d);
-  }
-  return weights;
+  constexpr float k1 = 0.1353352832f, k2 = 3.354626279e-4f, k3 = 1.522997974e-8f;
+  const float d = x - first;
+  const float power = std::exp(4 * d), square = power * power;
+  return std::exp(-2 * d * d) * Float4{1, k1 * power, k2 * square, k3 * (square * power)};
 }
 
 int paddedIndex(int row, int column) {
@@ -39,6 +38,18 @@ float windowDistance(const Window& a, const Window& b) {
     sum += d * d;
   }
   return std::sqrt((sum[0] + sum[1] + sum[2]) / kWindowNumbers);
+}
+
+float windowDetail(const Window& window) {
+  Float4 sum{};
+  for (int i = 0; i < kWindowNodes; ++i) {
+    const bool last = i % kWindowSide == kWindowSide - 1;
+    const Float4 across = last ? Float4{} : window.node[i + 1] - window.node[i];
+    const Float4 along =
+        i + kWindowSide < kWindowNodes ? window.node[i + kWindowSide] - window.node[i] : Float4{};
+    sum += across * across + along * along;
+  }
+  return sumOf(sum);
 }
 
 void WindowSampler::place(std::span<const FlatPoint> points, float step, float turn) {

@@ -5,11 +5,9 @@
 #include <span>
 
 #include "points/tangent_patch.h"
+#include "swatch/texel_reader.h"
 
 namespace dapple {
-
-// Four floats that g++ keeps in one register of any x86-64 processor.
-using Float4 = float __attribute__((vector_size(16)));
 
 inline constexpr int kWindowSide = 8;
 inline constexpr int kWindowNodes = kWindowSide * kWindowSide;
@@ -23,6 +21,9 @@ struct Window {
 
 // Root mean square difference of all numbers of two windows.
 float windowDistance(const Window& a, const Window& b);
+
+// Sum of squared differences between nodes side by side.
+float windowDetail(const Window& window);
 
 // Resamples scattered colours to windows. The points are given once, their colours as often as
 // there are windows over them.

@@ -39,6 +39,7 @@ struct ScaleScore {
   double residualFloor = 0;  // c of a perfect mapping of the same points
   double defects = 0;        // share of evaluated points with c > tau_h
   double threshold = 0;      // tau_h
+  double detail = 0;         // contrast between neighbouring nodes / a perfect mapping's
   double sliced = 0;         // sw: sliced Wasserstein distance of patches / deviation
   double slicedNoise = 0;    // sw between two perfect mappings: what chance alone makes of it
 };
@@ -46,8 +47,8 @@ struct ScaleScore {
 struct TextureScore {
   std::array<ScaleScore, 3> free;                     // any rotation
   std::optional<std::array<ScaleScore, 3>> oriented;  // within +-20 degrees of the directions
-  // (1 - def_2) max(0, 1 - max(0, sw_2 - max(0.045, noise)) / 0.25); with 2000 evaluation points
-  // the noise is about 0.04, with fewer it is more.
+  // (1 - def_2) max(0, 1 - max(0, sw_2 - floor) / 0.25) min(1, detail_1 / 0.85): the floor is 0.045
+  // with 2000 evaluation points, more with fewer; detail_1 falls with blur.
   double F = 0;
   std::optional<double> orientedF;
   std::optional<double> seamError;    // mean over k-NN edges |I(s_i + R_i o_ij) - c_j| / sigma
