@@ -23,7 +23,7 @@ struct PictureOptions {
   std::string renderer = "auto";  // auto|gl|cpu
   std::string texels = "auto";    // auto|on|off: the swatch inside the splats
   bool orthographic = false;
-  int turntable = 0;              // pictures round the vertical axis; 0: one, not turned
+  int turntable = 0;  // pictures round the vertical axis; 0: one, not turned
 };
 
 // What the picture shows: columns of n elements.

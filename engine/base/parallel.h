@@ -1,5 +1,6 @@
-// A small pool of threads that look for work for some microseconds and then sleep (the window shares
-// these cores), and loops over fixed chunks, so that results do not depend on the thread count.
+// A small pool of threads that look for work for some microseconds and then sleep (the window
+// shares these cores), and loops over fixed chunks, so that results do not depend on the thread
+// count.
 #pragma once
 
 #include <cstddef>
