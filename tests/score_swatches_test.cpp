@@ -3,8 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "base/hash_rng.h"
 #include "fixtures.h"
@@ -57,12 +59,11 @@ TEST_CASE("planes of the shared swatches score high, mirrored ones low, random p
     return;
   }
   // None is its own mirror image.
-  const std::array<const char*, 9> names = {
-      "acg_bricks102.png",   "acg_fabric015.png",   "acg_rocks023.png",
-      "acg_terrazzo009.png", "efros_berries.png",   "efros_olives.png",
-      "gimp_leopard.png",    "ph_rock_cracked.png", "ps_text.png"};
+  const std::array<const char*, 8> names = {
+      "acg_fabric015.png", "acg_rocks023.png", "acg_roofingtiles002.png", "acg_terrazzo009.png",
+      "efros_berries.png", "efros_olives.png", "gimp_burlap.png",         "gimp_leopard.png"};
   double mirroredSum = 0;
-  for (const char* name : names) {
+  for (const std::string name : names) {
     CAPTURE(name);
     const Image image = readImage(folder / name);
     const Swatch swatch = makeSwatch(image, Tileable::Auto, 1, name);
@@ -75,9 +76,9 @@ TEST_CASE("planes of the shared swatches score high, mirrored ones low, random p
       mirrored.push_back(sampleSwatch(swatch, {width - p.x, height - p.y}));
       random.push_back(swatch.colours()[hashBelow(swatch.pixels(), 3, random.size())]);
     }
-    CHECK(scoreOf(plane, perfect, swatch, 1000) >= 0.95);
-    CHECK(scoreOf(plane, random, swatch, 200) <= 0.05);
-    mirroredSum += scoreOf(plane, mirrored, swatch, 300);
+    CHECK(scoreOf(plane, perfect, swatch, 400) >= 0.95);
+    CHECK(scoreOf(plane, random, swatch, 80) <= 0.05);
+    mirroredSum += scoreOf(plane, mirrored, swatch, 120);
   }
   CHECK(mirroredSum / names.size() <= 0.4);
 }

@@ -13,8 +13,8 @@ namespace dapple {
 namespace {
 
 // Places lie so many steps apart (the windows are blurred by half a step) as far as the bounds
-// allow. The study had 6000 of them at every scale: more than a small swatch needs, and at step 2
-// of one of 256 x 256 pixels one perfect window in thirty was not found.
+// allow. The study had 6000 of them at every scale, more than a small swatch needs; in a large one
+// the score finds what lies between the places through windows near by.
 constexpr double kPlaceSteps = 1.25;
 constexpr std::size_t kFewestPlaces = 768, kMostPlaces = 16384;
 constexpr std::size_t kFreeTurns = 16, kLimitedTurns = 4;
