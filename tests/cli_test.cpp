@@ -390,6 +390,9 @@ TEST_CASE("options that make no sense are refused") {
   checkRefused(folder, {"render", scan, "-o", folder / "p.png", "--view", "inside"}, "inside",
                "front");
   checkRefused(folder, {"texture", scan, "-o", out}, "--swatch", "--help");
+  // Before the work, not after it.
+  checkRefused(folder, textureArguments(scan, out, {"--show", "patch", "--texels", "on"}),
+               "--texels on", "--show colour");
   CHECK(dapple({"texture", scan, "-o", out}).err.starts_with("dapple: "));
   CHECK(dapple({"paint"}).code == 2);
   CHECK(dapple({}).code == 2);

@@ -40,7 +40,7 @@ Camera cameraFor(const PictureInput& input, const std::vector<vec3>& positions,
   return options.orthographic ? orthographicView(camera, positions, aspectOf(options)) : camera;
 }
 
-// OpenGL without a display is OpenGL in software, which takes ten times as long.
+// OpenGL without a display is OpenGL in software, which takes many times as long.
 bool usesOpenGl(const std::string& renderer) {
   if (renderer == "gl") return true;
   if (renderer == "auto" || renderer == "cpu") return false;
@@ -67,10 +67,14 @@ std::vector<vec2> plainTexels(const PictureInput& input) {
   return texels;
 }
 
-void checkTexels(const std::string& texels) {
+void checkTexels(const PictureOptions& options) {
+  const std::string& texels = options.texels;
   if (texels != "auto" && texels != "on" && texels != "off")
     throw InvalidInput(
         fmt::format("--texels: '{}' is not allowed; choose one of auto|on|off", texels));
+  if (texels == "on" && options.show != View::Colour)
+    throw InvalidInput(
+        "--texels on: only --show colour can show the swatch; leave one of them out");
 }
 
 // Whether the swatch is shown inside the splats.
@@ -187,7 +191,7 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options, Work
 
 void checkPicture(const PictureOptions& options) {
   usesOpenGl(options.renderer);
-  checkTexels(options.texels);
+  checkTexels(options);
   if (!options.eye || !options.target) standardView(options.view, Bounds{}, 1);
 }
 

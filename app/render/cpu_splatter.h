@@ -1,5 +1,7 @@
 // The picture of splat_renderer.h without OpenGL: tiles of the picture, drawn by all threads with
-// SIMD. Ten times faster than OpenGL in software, and the reference for it.
+// SIMD. Many times faster than OpenGL in software (dapple_render_bench), and its reference. Discs
+// are taken to be ellipses with the perspective of their centres: OpenGL is exact for large near
+// ones.
 #pragma once
 
 #include <cstdint>
