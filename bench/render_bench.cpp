@@ -17,6 +17,7 @@
 #include "app/render/gl_objects.h"
 #include "app/render/image_compare.h"
 #include "app/render/offscreen.h"
+#include "app/render/splat_renderer.h"
 #include "tests/fixtures.h"
 
 namespace {
@@ -48,6 +49,14 @@ struct Ball {
   float scale;  // local units per swatch pixel
 
   explicit Ball(std::size_t n) : points(fixtures::makeSphere(n, 1)) {
+    // As a scan is kept.
+    PointSet sorted = points;
+    const std::vector<Index> order = mortonOrder(points.positions);
+    for (std::size_t i = 0; i < n; ++i) {
+      sorted.positions[i] = points.positions[order[i]];
+      sorted.normals[i] = points.normals[order[i]];
+    }
+    points = sorted;
     const float spacing = std::sqrt(4 * std::numbers::pi_v<float> / static_cast<float>(n));
     scale = spacing;
     radii.assign(n, splatRadius(spacing));
@@ -109,7 +118,7 @@ void benchmark(std::size_t n, int runs) {
                              .frame = ball.frames,
                              .scale = ball.scale,
                              .longestStep = std::numeric_limits<float>::max()};
-  const SplatOptions options{.shading = true};
+  const SplatOptions options{.shading = Shading::Headlight};
   const auto columns = [&](bool withTexels) {
     return SplatColumns{ball.points.positions, ball.points.normals, ball.colours, ball.radii,
                         withTexels ? &texture : nullptr};

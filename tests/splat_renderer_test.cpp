@@ -347,7 +347,7 @@ TEST_CASE("OpenGL and the processor draw the same picture") {
     CAPTURE(points);
     const Scene scene =
         sphere(points, [](vec3 p) { return vec3(0.5f) + 0.5f * glm::sin(vec3(20, 25, 30) * p); });
-    for (const bool shading : {false, true}) {
+    for (const Shading shading : {Shading::Off, Shading::Headlight}) {
       const SplatOptions options{.shading = shading, .background = vec3(1)};
       for (const Camera& camera :
            {sphereCamera(), orthographicView(sphereCamera(), scene.positions, 4.f / 3)})
@@ -610,8 +610,8 @@ TEST_CASE("a stray point is drawn like those around it, a sparse region without 
 
 TEST_CASE_TEMPLATE("the headlight darkens what turns away and nothing else", Drawn, ByGl, ByCpu) {
   const Scene scene = sphere(5000, [](vec3) { return vec3(0.8f); });
-  const Image image =
-      Drawn::picture(scene, sphereCamera(), 200, 200, {.shading = true, .background = kBackground});
+  const Image image = Drawn::picture(scene, sphereCamera(), 200, 200,
+                                     {.shading = Shading::Headlight, .background = kBackground});
   CHECK(at(image, 100, 100).r > 0.79f);
   const int rim = 100 + static_cast<int>(0.95f * outlineRadius(sphereCamera(), 200));
   CHECK(at(image, rim, 100).r < 0.6f);

@@ -104,7 +104,8 @@ class Splatter {
 
   Image draw(const Camera& camera, const PictureOptions& options) {
     const bool small = std::max(options.width, options.height) <= kSupersampleUpTo;
-    const SplatOptions splats{.shading = options.shading, .samples = small ? 2 : 1};
+    const SplatOptions splats{.shading = options.shading ? Shading::Headlight : Shading::Off,
+                              .samples = small ? 2 : 1};
     if (openGl_) return openGl_->draw(camera, options.width, options.height, splats);
     cpu_->draw(camera, options.width, options.height, splats, raster_);
     return toImage(raster_);

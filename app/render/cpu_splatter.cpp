@@ -31,7 +31,7 @@ SplatView viewOf(const Camera& camera, int samplesHigh, const SplatOptions& opti
                    : 0.5f * static_cast<float>(samplesHigh) / std::tan(0.5f * camera.verticalFov);
   view.nearest = camera.nearPlane, view.farthest = camera.farPlane;
   view.lowPass = options.lowPass * static_cast<float>(options.samples);
-  view.headlight = options.shading;
+  view.headlight = options.shading != Shading::Off;
   return view;
 }
 

@@ -8,7 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "app/render/splat_renderer.h"
+#include "app/render/camera.h"
+#include "app/render/splats.h"
 #include "base/parallel.h"
 
 namespace dapple {

@@ -2,54 +2,12 @@
 // normalisation (Zwicker et al. 2001; Botsch et al. 2005).
 #pragma once
 
-#include <glm/glm.hpp>
 #include <memory>
-#include <vector>
 
 #include "app/render/camera.h"
-#include "base/types.h"
-#include "points/neighborhoods.h"
-#include "swatch/swatch.h"
+#include "app/render/splats.h"
 
 namespace dapple {
-
-// The swatch inside the splats: where the view magnifies it, a splat shows the swatch around its
-// texel instead of its colour; where it does not, the colours are smoother.
-struct SplatTexture {
-  const Swatch& swatch;
-  const std::vector<vec2>& texel;          // n, swatch pixels; NaN: this one shows its colour
-  const std::vector<TangentFrame>& frame;  // n, s and t are the swatch's axes
-  float scale;                             // local units per swatch pixel
-  float longestStep = 1.1f;  // swatch pixels from sample to sample; further away: its colour
-};
-
-// What is drawn: n elements a column, borrowed for the call of update() only. Points that are
-// near each other in this order (Morton order) are drawn up to twice as fast.
-struct SplatColumns {
-  const std::vector<vec3>& positions;
-  const std::vector<vec3>& normals;  // either side counts as front; zero: faces the eye
-  const std::vector<vec3>& colours;  // 0..1, drawn as they are
-  const std::vector<float>& radii;   // local units, of the disc; 0: not drawn
-  const SplatTexture* texture = nullptr;
-};
-
-// The radius that leaves no hole and yet blurs little, for a point that owns a square of surface of
-// this side.
-float splatRadius(float spacing);
-
-// The same for each point of a scan (n, local units), from its neighbours: stray points, alone or a
-// few together, are drawn not much larger than the others.
-std::vector<float> splatRadii(const Neighborhoods& neighborhoods);
-
-struct SplatOptions {
-  bool shading = false;                    // headlight
-  glm::vec3 background{1.0f, 1.0f, 1.0f};  // 0..1
-  float lowPass = 1.0f;                    // pixels, > 0: radius of the screen-space filter
-  int samples = 1;  // 1..4: a pixel is the mean of samples x samples, for smooth outlines
-};
-
-// Throws InvalidInput unless 1 <= width, height <= 16384 and the options are in range.
-void validate(int width, int height, const SplatOptions& options);
 
 // Needs the current OpenGL 3.3 core context for its whole life.
 class SplatRenderer {

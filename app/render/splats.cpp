@@ -1,0 +1,59 @@
+#include "app/render/splats.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/errors.h"
+
+namespace dapple {
+namespace {
+
+constexpr float kRadiusPerSpacing = 1.2f;
+constexpr float kMostStray = 2;  // times the spacing of most neighbours, and among the nearest
+constexpr std::size_t kFew = 6;
+constexpr int kLargestPicture = 16384;
+constexpr int kLargestSamples = 4;
+
+}  // namespace
+
+void validate(int width, int height, const SplatOptions& options) {
+  if (width < 1 || height < 1 || width > kLargestPicture || height > kLargestPicture)
+    throw InvalidInput(
+        fmt::format("A picture of {} x {} pixels cannot be drawn; sides go from 1 to {}.", width,
+                    height, kLargestPicture));
+  if (!(options.lowPass > 0))
+    throw InvalidInput(
+        fmt::format("The low-pass radius is {} pixels; it must be above 0.", options.lowPass));
+  if (!(options.enlarge > 0))
+    throw InvalidInput(
+        fmt::format("Radii cannot be enlarged {} times; it must be above 0.", options.enlarge));
+  if (options.samples < 1 || options.samples > kLargestSamples)
+    throw InvalidInput(fmt::format("{} samples along a pixel's side cannot be drawn; give 1 to {}.",
+                                   options.samples, kLargestSamples));
+}
+
+float splatRadius(float spacing) {
+  return kRadiusPerSpacing * spacing;
+}
+
+std::vector<float> splatRadii(const Neighborhoods& neighborhoods) {
+  const std::vector<float> spacing = localSpacing(neighborhoods);
+  std::vector<float> radii(spacing.size()), around;
+  for (std::size_t i = 0; i < radii.size(); ++i) {
+    around.clear();
+    for (const Index j : neighborhoods.of(i)) around.push_back(spacing[j]);
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+    std::nth_element(around.begin(), middle, around.end());
+    // The nearest alone: a few stray points together have most of their neighbours far away.
+    const std::size_t few = std::min(kFew, neighborhoods.k);
+    const float close = neighborhoods.distancesOf(i)[few - 1] *
+                        std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(few) + 0.5f));
+    radii[i] = splatRadius(std::min(spacing[i], kMostStray * std::min(*middle, close)));
+  }
+  return radii;
+}
+
+}  // namespace dapple
