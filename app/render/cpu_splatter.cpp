@@ -1,20 +1,24 @@
-// Points are binned into the tiles that their splats may touch, chunk after chunk, so that each
-// tile has them in their order whatever thread has binned them; then every tile is drawn alone.
+// Blocks of eight points are binned into the tiles that their splats may touch, chunk after chunk,
+// so that each tile has them in their order whatever thread has binned them; then every tile is
+// drawn alone.
 #include "app/render/cpu_splatter.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "app/render/splat_kernels.h"
 #include "base/errors.h"
+#include "base/scratch_pool.h"
 #include "base/simd.h"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kChunk = 8192;  // points
-constexpr int kLargestGrid = 254;     // tiles a side that one pass can have
+constexpr std::size_t kChunks = 32;         // at most
+constexpr std::size_t kSmallestChunk = 64;  // blocks
 
 SplatView viewOf(const Camera& camera, int samplesHigh, const SplatOptions& options) {
   const glm::mat4 m = viewMatrix(camera);
@@ -31,23 +35,24 @@ SplatView viewOf(const Camera& camera, int samplesHigh, const SplatOptions& opti
                    : 0.5f * static_cast<float>(samplesHigh) / std::tan(0.5f * camera.verticalFov);
   view.nearest = camera.nearPlane, view.farthest = camera.farPlane;
   view.lowPass = options.lowPass * static_cast<float>(options.samples);
-  view.headlight = options.shading != Shading::Off;
+  view.shading = options.shading;
+  view.enlarge = options.enlarge;
   return view;
 }
 
-// For each tile the points that may touch it, in their order, those that face the eye first: bin
+// For each tile the blocks that may touch it, in their order, those that face the eye first: bin
 // 2 t and bin 2 t + 1.
 struct Bins {
-  std::vector<TileRange> ranges;    // by point
+  std::vector<TileRange> ranges;    // by block
   std::vector<std::uint32_t> next;  // [chunk][bin]; once filled, where a chunk's share ends
-  std::vector<Index> points;
+  std::vector<std::uint32_t> blocks;
   std::size_t chunks = 0, bins = 0;
 
-  std::span<const Index> of(std::size_t b) const {
+  std::span<const std::uint32_t> of(std::size_t b) const {
     if (chunks == 0) return {};
     const std::uint32_t* ends = next.data() + (chunks - 1) * bins;
     const std::size_t begin = b == 0 ? 0 : ends[b - 1];
-    return {points.data() + begin, ends[b] - begin};
+    return {blocks.data() + begin, ends[b] - begin};
   }
 };
 
@@ -59,83 +64,136 @@ void forBins(const TileRange& range, int columns, const Visit& visit) {
       visit(2 * static_cast<std::size_t>(row * columns + column) + range.away);
 }
 
-void bin(const SplatScene& scene, const SplatView& view, const TileGrid& grid, Workers& workers,
-         Bins& out) {
-  out.chunks = (scene.size + kChunk - 1) / kChunk;
-  out.bins = 2 * static_cast<std::size_t>(grid.columns * grid.rows);
-  out.ranges.resize(paddedToLanes(scene.size));
-  out.next.assign(out.chunks * out.bins, 0);
-  const auto endOf = [&](std::size_t chunk) { return std::min(scene.size, (chunk + 1) * kChunk); };
-  workers.run(out.chunks, [&](std::size_t chunk) {
-    const std::size_t begin = chunk * kChunk;
-    findTiles(scene, view, grid, {begin, endOf(chunk)}, out.ranges.data() + begin);
-    std::uint32_t* counts = out.next.data() + chunk * out.bins;
-    for (std::size_t i = begin; i < endOf(chunk); ++i)
-      forBins(out.ranges[i], grid.columns, [&](std::size_t b) { ++counts[b]; });
-  });
+// Counts become where each chunk's share of a bin begins. Returns their sum.
+std::uint32_t addUp(Bins& bins) {
+  std::vector<std::uint32_t> begins(bins.bins, 0);
+  for (std::size_t chunk = 0; chunk < bins.chunks; ++chunk)
+    for (std::size_t b = 0; b < bins.bins; ++b) begins[b] += bins.next[chunk * bins.bins + b];
   std::uint32_t sum = 0;
-  for (std::size_t b = 0; b < out.bins; ++b)
-    for (std::size_t chunk = 0; chunk < out.chunks; ++chunk) {
-      std::uint32_t& count = out.next[chunk * out.bins + b];
-      sum += count;
-      count = sum - count;
+  for (std::uint32_t& begin : begins) {
+    sum += begin;
+    begin = sum - begin;
+  }
+  for (std::size_t chunk = 0; chunk < bins.chunks; ++chunk)
+    for (std::size_t b = 0; b < bins.bins; ++b) {
+      std::uint32_t& count = bins.next[chunk * bins.bins + b];
+      begins[b] += count;
+      count = begins[b] - count;
     }
-  if (out.points.size() < sum) out.points.resize(sum);
-  workers.run(out.chunks, [&](std::size_t chunk) {
-    std::uint32_t* next = out.next.data() + chunk * out.bins;
-    for (std::size_t i = chunk * kChunk; i < endOf(chunk); ++i)
-      forBins(out.ranges[i], grid.columns,
-              [&](std::size_t b) { out.points[next[b]++] = static_cast<Index>(i); });
+  return sum;
+}
+
+void bin(const SplatBlocks& blocks, const SplatView& view, const TileGrid& grid, Workers& workers,
+         Bins& out) {
+  const std::size_t count = std::min(blocks.size, paddedToLanes(view.count) / kLanes);
+  const std::size_t chunk =
+      paddedToLanes(std::max(kSmallestChunk, (count + kChunks - 1) / kChunks));
+  out.chunks = (count + chunk - 1) / chunk;
+  out.bins = 2 * static_cast<std::size_t>(grid.columns * grid.rows);
+  out.ranges.resize(paddedToLanes(count));
+  out.next.assign(out.chunks * out.bins, 0);
+  const auto endOf = [&](std::size_t c) { return std::min(count, (c + 1) * chunk); };
+  workers.run(out.chunks, [&](std::size_t c) {
+    findTiles(blocks, view, grid, {c * chunk, endOf(c)}, out.ranges.data() + c * chunk);
+    std::uint32_t* counts = out.next.data() + c * out.bins;
+    for (std::size_t k = c * chunk; k < endOf(c); ++k)
+      forBins(out.ranges[k], grid.columns, [&](std::size_t b) { ++counts[b]; });
+  });
+  const std::uint32_t sum = addUp(out);
+  if (out.blocks.size() < sum) out.blocks.resize(sum);
+  workers.run(out.chunks, [&](std::size_t c) {
+    std::uint32_t* next = out.next.data() + c * out.bins;
+    for (std::size_t k = c * chunk; k < endOf(c); ++k)
+      forBins(out.ranges[k], grid.columns,
+              [&](std::size_t b) { out.blocks[next[b]++] = static_cast<std::uint32_t>(k); });
   });
 }
 
-std::uint32_t packed(float red, float green, float blue) {
+// 0..255.
+std::uint32_t packed(const vec3& colour) {
   const auto byte = [](float v) {
     return static_cast<std::uint32_t>(std::clamp(v, 0.f, 255.f) + 0.5f);
   };
-  return byte(red) | byte(green) << 8 | byte(blue) << 16 | 0xff000000u;
+  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
 }
 
-// One tile at a time; each thread has its own.
+// A picture that is being drawn, in tiles.
+struct Frame {
+  SplatView view;
+  TileGrid grid{};
+  SplatOptions options;
+  Bins bins;
+  std::vector<std::uint32_t> order;  // of the tiles, from the middle of the picture outwards
+  std::vector<std::uint8_t> drawn;   // by tile
+  std::size_t firstLeft = 0;         // in order: all before are drawn
+
+  int side() const { return kSplatTile / options.samples; }  // pixels
+};
+
+// Draws one tile at a time.
 class TilePainter {
  public:
-  TilePainter(const SplatScene& scene, const SplatView& view, const SplatOptions& options,
-              bool trace)
-      : scene_(scene), view_(view), options_(options), trace_(trace) {}
-
-  // The points of a tile whose corner lies at (x, y): those that face the eye, and the others.
-  void paint(std::span<const Index> facing, std::span<const Index> away, float x, float y) {
-    std::fill(std::begin(tile_.depth), std::end(tile_.depth),
-              std::numeric_limits<float>::infinity());
-    for (float* channel : {tile_.red, tile_.green, tile_.blue, tile_.weight})
-      std::fill_n(channel, kSplatTile * kSplatStride, 0.f);
-    if (trace_) {
-      std::fill(std::begin(tile_.least), std::end(tile_.least), 2.f);
-      std::fill(std::begin(tile_.point), std::end(tile_.point), kNone);
-      std::fill(std::begin(tile_.seenDepth), std::end(tile_.seenDepth),
-                std::numeric_limits<float>::infinity());
+  void paint(const SplatScene& scene, const Frame& frame, std::size_t tile, Raster& out) {
+    const auto facing = frame.bins.of(2 * tile), away = frame.bins.of(2 * tile + 1);
+    const auto columns = static_cast<std::size_t>(frame.grid.columns);
+    const int column = static_cast<int>(tile % columns), row = static_cast<int>(tile / columns);
+    const int left = column * frame.side(), top = row * frame.side();
+    if (facing.empty() && away.empty()) {
+      clear(frame, left, top, out);
+      return;
     }
-    const int side = kSplatTile / options_.samples * options_.samples;
-    TilePlace place{x, y, std::numeric_limits<float>::infinity()};
-    project(facing, place, 0);
-    const std::size_t facingCount = count_;
-    drawDepths({splats_.data(), count_}, view_.lowPass, tile_);
-    place.farthest = farthestSeen(tile_, side);
-    project(away, place, count_);
-    drawDepths({splats_.data() + facingCount, count_ - facingCount}, view_.lowPass, tile_);
-    drawColours(scene_, {splats_.data(), count_}, view_.lowPass, trace_, tile_);
+    const TilePlace place{frame.grid.originX + static_cast<float>(column * frame.grid.step),
+                          frame.grid.originY + static_cast<float>(row * frame.grid.step),
+                          std::numeric_limits<float>::infinity()};
+    empty(out.trace);
+    draw({scene, frame, place, out.trace}, facing, away);
+    resolve(frame, left, top, out);
   }
 
-  // Into the pixels from (x0, y0) on.
-  void resolve(int x0, int y0, Raster& out) {
-    const int samples = options_.samples, side = kSplatTile / samples;
-    const int columns = std::min(side, out.width - x0), rows = std::min(side, out.height - y0);
-    normalise(tile_, 255.f * options_.background);
-    packPixels(tile_, samples, pixels_);
+ private:
+  struct Job {
+    const SplatScene& scene;
+    const Frame& frame;
+    TilePlace place;
+    bool trace;
+  };
+
+  void empty(bool trace) {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    std::fill(std::begin(tile_.depth), std::end(tile_.depth), kFar);
+    std::fill(std::begin(tile_.colour), std::end(tile_.colour), 0.f);
+    if (!trace) return;
+    std::fill(std::begin(tile_.least), std::end(tile_.least), 2.f);
+    std::fill(std::begin(tile_.point), std::end(tile_.point), kNone);
+    std::fill(std::begin(tile_.seenDepth), std::end(tile_.seenDepth), kFar);
+  }
+
+  // Blocks that face the eye first: the others are hidden then, most of them.
+  void draw(Job job, std::span<const std::uint32_t> facing, std::span<const std::uint32_t> away) {
+    const float lowPass = job.frame.view.lowPass;
+    const std::size_t first = project(job, facing, 0);
+    drawDepths({splats_.data(), first}, lowPass, tile_);
+    job.place.farthest = farthestSeen(tile_, job.frame.side() * job.frame.options.samples);
+    const std::size_t all = project(job, away, first);
+    drawDepths({splats_.data() + first, all - first}, lowPass, tile_);
+    drawColours(job.scene, {splats_.data(), all}, lowPass, job.trace, tile_);
+  }
+
+  std::size_t project(const Job& job, std::span<const std::uint32_t> blocks, std::size_t from) {
+    if (splats_.size() < from + blocks.size()) splats_.resize(from + blocks.size());
+    return from +
+           projectSplats(job.scene, job.frame.view, job.place, blocks, splats_.data() + from);
+  }
+
+  // Into the pixels from (left, top) on.
+  void resolve(const Frame& frame, int left, int top, Raster& out) {
+    const int samples = frame.options.samples, side = frame.side();
+    const int columns = std::min(side, out.width - left), rows = std::min(side, out.height - top);
+    packPixels(tile_, 255.f * frame.options.background, samples, pixels_);
     for (int y = 0; y < rows; ++y) {
-      const std::size_t first = pixelAt(out, x0, y0 + y);
+      const std::size_t first = pixelAt(out, left, top + y);
       std::copy_n(pixels_ + y * kSplatTile, columns, out.pixels.data() + first);
-      for (int x = 0; trace_ && x < columns; ++x) {
+      for (int x = 0; out.trace && x < columns; ++x) {
         const int at = y * samples * kSplatStride + x * samples;
         out.points[first + static_cast<std::size_t>(x)] = tile_.point[at];
         out.depths[first + static_cast<std::size_t>(x)] = tile_.seenDepth[at];
@@ -143,41 +201,42 @@ class TilePainter {
     }
   }
 
-  // A tile without points.
-  void clear(int x0, int y0, Raster& out) const {
-    const int side = kSplatTile / options_.samples;
-    const auto columns = static_cast<std::size_t>(std::min(side, out.width - x0));
-    const vec3 background = 255.f * options_.background;
-    for (int y = y0; y < std::min(y0 + side, out.height); ++y) {
-      const std::size_t first = pixelAt(out, x0, y);
-      std::fill_n(out.pixels.data() + first, columns,
-                  packed(background.r, background.g, background.b));
-      if (!trace_) continue;
+  static void clear(const Frame& frame, int left, int top, Raster& out) {
+    const auto columns = static_cast<std::size_t>(std::min(frame.side(), out.width - left));
+    const vec3 background = 255.f * frame.options.background;
+    for (int y = top; y < std::min(top + frame.side(), out.height); ++y) {
+      const std::size_t first = pixelAt(out, left, y);
+      std::fill_n(out.pixels.data() + first, columns, packed(background));
+      if (!out.trace) continue;
       std::fill_n(out.points.data() + first, columns, kNone);
       std::fill_n(out.depths.data() + first, columns, std::numeric_limits<float>::infinity());
     }
   }
 
- private:
   static std::size_t pixelAt(const Raster& out, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) +
            static_cast<std::size_t>(x);
   }
-  void project(std::span<const Index> points, const TilePlace& place, std::size_t from) {
-    const std::size_t room = from + points.size() / ProjectedSplats::kCount + 1;
-    if (splats_.size() < room) splats_.resize(room);
-    count_ = from + projectSplats(scene_, view_, place, points, splats_.data() + from);
-  }
 
-  const SplatScene& scene_;
-  const SplatView& view_;
-  const SplatOptions& options_;
-  bool trace_;
   std::vector<ProjectedSplats> splats_;
-  std::size_t count_ = 0;
   SplatTile tile_;
   std::uint32_t pixels_[kSplatTile * kSplatTile + kLanes];
 };
+
+// What is looked at is in the middle, mostly. Ties by row and column.
+void orderTiles(Frame& frame) {
+  const TileGrid& grid = frame.grid;
+  frame.order.resize(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
+  std::iota(frame.order.begin(), frame.order.end(), 0u);
+  const auto apart = [&](std::uint32_t tile) {
+    const int column = static_cast<int>(tile) % grid.columns;
+    const int row = static_cast<int>(tile) / grid.columns;
+    const int x = 2 * column + 1 - grid.columns, y = 2 * row + 1 - grid.rows;
+    return x * x + y * y;
+  };
+  std::stable_sort(frame.order.begin(), frame.order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return apart(a) < apart(b); });
+}
 
 void setTexture(const SplatTexture* texture, SplatScene& s) {
   const std::size_t room = texture ? paddedToLanes(s.size) : 0;
@@ -197,14 +256,23 @@ void setTexture(const SplatTexture* texture, SplatScene& s) {
   s.swatchWidth = texture->swatch.width, s.swatchHeight = texture->swatch.height;
   s.swatchRepeats = texture->swatch.tileable;
   s.longestStep = texture->longestStep;
-  for (const vec3& c : texture->swatch.colours())
-    s.swatch.push_back(packed(255 * c.r, 255 * c.g, 255 * c.b));
+  const auto pixelAt = [&](int x, int y) {
+    const int right = s.swatchRepeats ? x % s.swatchWidth : std::min(x, s.swatchWidth - 1);
+    const int below = s.swatchRepeats ? y % s.swatchHeight : std::min(y, s.swatchHeight - 1);
+    return packed(
+        255.f * texture->swatch.colours()[static_cast<std::size_t>(below * s.swatchWidth + right)]);
+  };
+  for (int y = 0; y < s.swatchHeight; ++y)
+    for (int x = 0; x < s.swatchWidth; ++x)
+      s.swatch.push_back(
+          {pixelAt(x, y), pixelAt(x + 1, y), pixelAt(x, y + 1), pixelAt(x + 1, y + 1)});
 }
 
 }  // namespace
 
 struct CpuSplatter::Scene : SplatScene {
-  Bins bins;  // kept for their memory
+  Frame frame;
+  ScratchPool<TilePainter> painters{[] { return std::make_unique<TilePainter>(); }};
 };
 
 CpuSplatter::CpuSplatter(Workers& workers) : workers_(workers), scene_(std::make_unique<Scene>()) {}
@@ -225,6 +293,7 @@ void CpuSplatter::update(const SplatColumns& columns) {
     s.nx[i] = unit.x, s.ny[i] = unit.y, s.nz[i] = unit.z;
     s.radius[i] = columns.radii[i];
   }
+  findBlocks(s);
   recolour(columns.colours);
   setTexture(columns.texture, s);
 }
@@ -232,51 +301,58 @@ void CpuSplatter::update(const SplatColumns& columns) {
 void CpuSplatter::recolour(const std::vector<vec3>& colours) {
   DAPPLE_CHECK(colours.size(), ==, scene_->size);
   scene_->colour.resize(paddedToLanes(colours.size()));
-  for (std::size_t i = 0; i < colours.size(); ++i)
-    scene_->colour[i] = packed(255 * colours[i].r, 255 * colours[i].g, 255 * colours[i].b);
+  for (std::size_t i = 0; i < colours.size(); ++i) scene_->colour[i] = packed(255.f * colours[i]);
+}
+
+void CpuSplatter::begin(const Camera& camera, int width, int height, const SplatOptions& options,
+                        Raster& out) {
+  validate(width, height, options);
+  Frame& frame = scene_->frame;
+  const int samples = options.samples;
+  frame.options = options;
+  frame.view = viewOf(camera, height * samples, options);
+  frame.view.count = std::min(options.count, scene_->size);
+  const int side = frame.side();
+  const auto half = [&](int size) { return -0.5f * static_cast<float>(samples * size); };
+  frame.grid = {.columns = (width + side - 1) / side,
+                .rows = (height + side - 1) / side,
+                .step = side * samples,
+                .originX = half(width),
+                .originY = half(height)};
+  const bool same = out.width == width && out.height == height;
+  out.width = width, out.height = height;
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  // The old picture stays where the new one is not drawn yet.
+  if (!same) out.pixels.assign(pixels, packed(255.f * options.background));
+  out.points.resize(out.trace ? pixels : 0, kNone);
+  out.depths.resize(out.trace ? pixels : 0, std::numeric_limits<float>::infinity());
+  bin(scene_->blocks, frame.view, frame.grid, workers_, frame.bins);
+  orderTiles(frame);
+  frame.drawn.assign(frame.order.size(), 0);
+  frame.firstLeft = 0;
+}
+
+bool CpuSplatter::advance(std::chrono::steady_clock::time_point until, Raster& out) {
+  Frame& frame = scene_->frame;
+  const std::size_t left = frame.order.size() - frame.firstLeft;
+  std::atomic<bool> late = false;
+  workers_.run(left, [&](std::size_t k) {
+    // The first is drawn in any case, so that every call gets on.
+    if (k > 0 && late.load(std::memory_order_relaxed)) return;
+    const std::size_t tile = frame.order[frame.firstLeft + k];
+    scene_->painters.use([&](TilePainter& painter) { painter.paint(*scene_, frame, tile, out); });
+    frame.drawn[tile] = 1;
+    if (std::chrono::steady_clock::now() >= until) late.store(true, std::memory_order_relaxed);
+  });
+  while (frame.firstLeft < frame.order.size() && frame.drawn[frame.order[frame.firstLeft]])
+    ++frame.firstLeft;
+  return frame.firstLeft == frame.order.size();
 }
 
 void CpuSplatter::draw(const Camera& camera, int width, int height, const SplatOptions& options,
                        Raster& out) {
-  validate(width, height, options);
-  const int samples = options.samples, side = kSplatTile / samples;
-  const SplatView view = viewOf(camera, height * samples, options);
-  out.width = width, out.height = height;
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  out.pixels.resize(pixels);
-  out.points.resize(out.trace ? pixels : 0);
-  out.depths.resize(out.trace ? pixels : 0);
-  // Pictures of more tiles than a byte counts are drawn in parts.
-  const int part = kLargestGrid * side;
-  for (int top = 0; top < height; top += part)
-    for (int left = 0; left < width; left += part) {
-      const TileGrid grid{.columns = (std::min(part, width - left) + side - 1) / side,
-                          .rows = (std::min(part, height - top) + side - 1) / side,
-                          .step = side * samples,
-                          .originX = static_cast<float>(samples) *
-                                     (static_cast<float>(left) - 0.5f * static_cast<float>(width)),
-                          .originY = static_cast<float>(samples) *
-                                     (static_cast<float>(top) - 0.5f * static_cast<float>(height))};
-      Bins& bins = scene_->bins;
-      bin(*scene_, view, grid, workers_, bins);
-      // A row of tiles at a time: one painter for many tiles.
-      workers_.run(static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
-        const auto painter = std::make_unique<TilePainter>(*scene_, view, options, out.trace);
-        for (int column = 0; column < grid.columns; ++column) {
-          const std::size_t tile =
-              row * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(column);
-          const int x = left + column * side, y = top + static_cast<int>(row) * side;
-          const auto facing = bins.of(2 * tile), away = bins.of(2 * tile + 1);
-          if (facing.empty() && away.empty()) {
-            painter->clear(x, y, out);
-            continue;
-          }
-          painter->paint(facing, away, grid.originX + static_cast<float>(column * grid.step),
-                         grid.originY + static_cast<float>(static_cast<int>(row) * grid.step));
-          painter->resolve(x, y, out);
-        }
-      });
-    }
+  begin(camera, width, height, options, out);
+  advance(std::chrono::steady_clock::time_point::max(), out);
 }
 
 Image toImage(const Raster& raster) {

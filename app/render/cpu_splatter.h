@@ -4,6 +4,7 @@
 // ones.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -40,6 +41,13 @@ class CpuSplatter {
   // The same bytes at any number of threads and on any processor. Throws InvalidInput as
   // SplatRenderer::draw().
   void draw(const Camera& camera, int width, int height, const SplatOptions& options, Raster& out);
+
+  // The same in steps, for a window that must not wait: begin() and then advance() until it returns
+  // true, with the same raster and no change in between. Each call draws until the time is up, a
+  // tile at least, from the middle outwards; what is not drawn yet shows what was there before if
+  // the size is the same.
+  void begin(const Camera& camera, int width, int height, const SplatOptions& options, Raster& out);
+  bool advance(std::chrono::steady_clock::time_point until, Raster& out);
 
  private:
   struct Scene;

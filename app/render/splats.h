@@ -42,6 +42,16 @@ std::vector<float> splatRadii(const Neighborhoods& neighborhoods);
 // None; a lamp at the eye; or three lamps that stay with the camera, as in a photographer's studio.
 enum class Shading { Off, Headlight, Studio };
 
+// What the studio's lamps are worth, red, green and blue, for a normal that is turned to the eye:
+// a lamp, times the cosine to it; the sky, times how far the normal looks up, from 0 to 1; and
+// light from behind, times the cube of how far it looks aside, from 0 to 1. x to the right, y up, z
+// to the eye.
+struct StudioLight {
+  vec3 towardsKey{-0.45f, 0.60f, 0.66f};
+  vec3 key{0.84f, 0.80f, 0.74f}, sky{0.22f, 0.24f, 0.29f}, rim{0.16f, 0.19f, 0.26f};
+};
+inline constexpr StudioLight kStudioLight;
+
 inline constexpr std::size_t kAllPoints = std::numeric_limits<std::size_t>::max();
 
 struct SplatOptions {
