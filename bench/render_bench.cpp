@@ -49,14 +49,6 @@ struct Ball {
   float scale;  // local units per swatch pixel
 
   explicit Ball(std::size_t n) : points(fixtures::makeSphere(n, 1)) {
-    // As a scan is kept.
-    PointSet sorted = points;
-    const std::vector<Index> order = mortonOrder(points.positions);
-    for (std::size_t i = 0; i < n; ++i) {
-      sorted.positions[i] = points.positions[order[i]];
-      sorted.normals[i] = points.normals[order[i]];
-    }
-    points = sorted;
     const float spacing = std::sqrt(4 * std::numbers::pi_v<float> / static_cast<float>(n));
     scale = spacing;
     radii.assign(n, splatRadius(spacing));

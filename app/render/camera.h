@@ -16,6 +16,8 @@ struct Camera {
   // bottom to its top, local units; verticalFov is not used then.
   float orthographicHeight = 0;
   float nearPlane = 0.01f, farPlane = 100.f;  // distances along the view axis
+
+  bool operator==(const Camera&) const = default;
 };
 
 struct Bounds {

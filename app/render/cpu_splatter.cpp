@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -17,8 +18,17 @@
 namespace dapple {
 namespace {
 
+constexpr std::size_t kChunkOfPoints = 16384;
 constexpr std::size_t kChunks = 32;         // at most
 constexpr std::size_t kSmallestChunk = 64;  // blocks
+
+template <class Body>
+void forChunks(Workers& workers, std::size_t n, const Body& body) {
+  workers.run((n + kChunkOfPoints - 1) / kChunkOfPoints, [&](std::size_t c) {
+    for (std::size_t i = c * kChunkOfPoints; i < std::min(n, (c + 1) * kChunkOfPoints); ++i)
+      body(i);
+  });
+}
 
 SplatView viewOf(const Camera& camera, int samplesHigh, const SplatOptions& options) {
   const glm::mat4 m = viewMatrix(camera);
@@ -126,6 +136,7 @@ struct Frame {
   std::vector<std::uint32_t> order;  // of the tiles, from the middle of the picture outwards
   std::vector<std::uint8_t> drawn;   // by tile
   std::size_t firstLeft = 0;         // in order: all before are drawn
+  std::size_t splats = 0;            // so far, by tile
 
   int side() const { return kSplatTile / options.samples; }  // pixels
 };
@@ -133,21 +144,23 @@ struct Frame {
 // Draws one tile at a time.
 class TilePainter {
  public:
-  void paint(const SplatScene& scene, const Frame& frame, std::size_t tile, Raster& out) {
+  // Returns how many splats it has, at most.
+  std::size_t paint(const SplatScene& scene, const Frame& frame, std::size_t tile, Raster& out) {
     const auto facing = frame.bins.of(2 * tile), away = frame.bins.of(2 * tile + 1);
     const auto columns = static_cast<std::size_t>(frame.grid.columns);
     const int column = static_cast<int>(tile % columns), row = static_cast<int>(tile / columns);
     const int left = column * frame.side(), top = row * frame.side();
     if (facing.empty() && away.empty()) {
       clear(frame, left, top, out);
-      return;
+      return 0;
     }
     const TilePlace place{frame.grid.originX + static_cast<float>(column * frame.grid.step),
                           frame.grid.originY + static_cast<float>(row * frame.grid.step),
                           std::numeric_limits<float>::infinity()};
     empty(out.trace);
-    draw({scene, frame, place, out.trace}, facing, away);
-    resolve(frame, left, top, out);
+    const std::size_t blocks = draw({scene, frame, place, out.trace}, facing, away);
+    resolve(frame, scene.order, left, top, out);
+    return kLanes * blocks;
   }
 
  private:
@@ -164,12 +177,13 @@ class TilePainter {
     std::fill(std::begin(tile_.colour), std::end(tile_.colour), 0.f);
     if (!trace) return;
     std::fill(std::begin(tile_.least), std::end(tile_.least), 2.f);
-    std::fill(std::begin(tile_.point), std::end(tile_.point), kNone);
+    std::fill(std::begin(tile_.point), std::end(tile_.point), std::bit_cast<float>(kNone));
     std::fill(std::begin(tile_.seenDepth), std::end(tile_.seenDepth), kFar);
   }
 
   // Blocks that face the eye first: the others are hidden then, most of them.
-  void draw(Job job, std::span<const std::uint32_t> facing, std::span<const std::uint32_t> away) {
+  std::size_t draw(Job job, std::span<const std::uint32_t> facing,
+                   std::span<const std::uint32_t> away) {
     const float lowPass = job.frame.view.lowPass;
     const std::size_t first = project(job, facing, 0);
     drawDepths({splats_.data(), first}, lowPass, tile_);
@@ -177,6 +191,7 @@ class TilePainter {
     const std::size_t all = project(job, away, first);
     drawDepths({splats_.data() + first, all - first}, lowPass, tile_);
     drawColours(job.scene, {splats_.data(), all}, lowPass, job.trace, tile_);
+    return all;
   }
 
   std::size_t project(const Job& job, std::span<const std::uint32_t> blocks, std::size_t from) {
@@ -186,7 +201,8 @@ class TilePainter {
   }
 
   // Into the pixels from (left, top) on.
-  void resolve(const Frame& frame, int left, int top, Raster& out) {
+  void resolve(const Frame& frame, const std::vector<Index>& order, int left, int top,
+               Raster& out) {
     const int samples = frame.options.samples, side = frame.side();
     const int columns = std::min(side, out.width - left), rows = std::min(side, out.height - top);
     packPixels(tile_, 255.f * frame.options.background, samples, pixels_);
@@ -195,7 +211,9 @@ class TilePainter {
       std::copy_n(pixels_ + y * kSplatTile, columns, out.pixels.data() + first);
       for (int x = 0; out.trace && x < columns; ++x) {
         const int at = y * samples * kSplatStride + x * samples;
-        out.points[first + static_cast<std::size_t>(x)] = tile_.point[at];
+        const Index point = std::bit_cast<Index>(tile_.point[at]);
+        out.points[first + static_cast<std::size_t>(x)] =
+            point == kNone || order.empty() ? point : order[point];
         out.depths[first + static_cast<std::size_t>(x)] = tile_.seenDepth[at];
       }
     }
@@ -238,34 +256,56 @@ void orderTiles(Frame& frame) {
                    [&](std::uint32_t a, std::uint32_t b) { return apart(a) < apart(b); });
 }
 
-void setTexture(const SplatTexture* texture, SplatScene& s) {
-  const std::size_t room = texture ? paddedToLanes(s.size) : 0;
-  for (auto* column : {&s.texelX, &s.texelY, &s.sx, &s.sy, &s.sz, &s.tx, &s.ty, &s.tz})
-    column->assign(room, 0);
-  s.swatch.clear();
-  if (!texture) return;
-  DAPPLE_CHECK(texture->texel.size(), ==, s.size);
-  DAPPLE_CHECK(texture->frame.size(), ==, s.size);
-  const float perPixel = 1 / texture->scale;
-  for (std::size_t i = 0; i < s.size; ++i) {
-    const vec3 right = perPixel * texture->frame[i].s, up = perPixel * texture->frame[i].t;
-    s.texelX[i] = texture->texel[i].x - 0.5f, s.texelY[i] = texture->texel[i].y - 0.5f;
-    s.sx[i] = right.x, s.sy[i] = right.y, s.sz[i] = right.z;
-    s.tx[i] = up.x, s.ty[i] = up.y, s.tz[i] = up.z;
-  }
-  s.swatchWidth = texture->swatch.width, s.swatchHeight = texture->swatch.height;
-  s.swatchRepeats = texture->swatch.tileable;
-  s.longestStep = texture->longestStep;
+void setSwatch(const Swatch& swatch, SplatScene& s) {
+  s.swatchWidth = swatch.width, s.swatchHeight = swatch.height;
+  s.swatchRepeats = swatch.tileable;
   const auto pixelAt = [&](int x, int y) {
-    const int right = s.swatchRepeats ? x % s.swatchWidth : std::min(x, s.swatchWidth - 1);
-    const int below = s.swatchRepeats ? y % s.swatchHeight : std::min(y, s.swatchHeight - 1);
-    return packed(
-        255.f * texture->swatch.colours()[static_cast<std::size_t>(below * s.swatchWidth + right)]);
+    const int column = s.swatchRepeats ? x % s.swatchWidth : std::min(x, s.swatchWidth - 1);
+    const int row = s.swatchRepeats ? y % s.swatchHeight : std::min(y, s.swatchHeight - 1);
+    return packed(255.f * swatch.colours()[static_cast<std::size_t>(row * s.swatchWidth + column)]);
   };
   for (int y = 0; y < s.swatchHeight; ++y)
     for (int x = 0; x < s.swatchWidth; ++x)
       s.swatch.push_back(
           {pixelAt(x, y), pixelAt(x + 1, y), pixelAt(x, y + 1), pixelAt(x + 1, y + 1)});
+}
+
+Index pointOf(const SplatScene& scene, std::size_t i) {
+  return scene.order.empty() ? static_cast<Index>(i) : scene.order[i];
+}
+
+void setTexture(const SplatTexture* texture, Workers& workers, SplatScene& s) {
+  const std::size_t room = texture ? paddedToLanes(s.size) : 0;
+  for (auto* column : {&s.texelX, &s.texelY, &s.sx, &s.sy, &s.sz, &s.tx, &s.ty, &s.tz})
+    column->resize(room);
+  s.swatch.clear();
+  if (!texture) return;
+  DAPPLE_CHECK(texture->texel.size(), ==, s.size);
+  DAPPLE_CHECK(texture->frame.size(), ==, s.size);
+  const float perPixel = 1 / texture->scale;
+  forChunks(workers, s.size, [&](std::size_t i) {
+    const Index point = pointOf(s, i);
+    const TangentFrame& frame = texture->frame[point];
+    const vec3 right = perPixel * frame.s, up = perPixel * frame.t;
+    const vec2 texel = texture->texel[point] - 0.5f;
+    s.texelX[i] = texel.x, s.texelY[i] = texel.y;
+    s.sx[i] = right.x, s.sy[i] = right.y, s.sz[i] = right.z;
+    s.tx[i] = up.x, s.ty[i] = up.y, s.tz[i] = up.z;
+  });
+  s.longestStep = texture->longestStep;
+  setSwatch(texture->swatch, s);
+}
+
+void setBlocks(Workers& workers, SplatScene& s) {
+  SplatBlocks& b = s.blocks;
+  b.size = s.radius.size() / kLanes;
+  for (auto* column : {&b.x, &b.y, &b.z, &b.largest, &b.nx, &b.ny, &b.nz})
+    column->resize(paddedToLanes(b.size));
+  b.spread.assign(paddedToLanes(b.size), -1);
+  const std::size_t chunk = kChunkOfPoints / kLanes;
+  workers.run((b.size + chunk - 1) / chunk, [&](std::size_t c) {
+    findBlocks(s, {c * chunk, std::min(b.size, (c + 1) * chunk)});
+  });
 }
 
 }  // namespace
@@ -282,26 +322,32 @@ void CpuSplatter::update(const SplatColumns& columns) {
   const std::size_t n = columns.positions.size(), room = paddedToLanes(n);
   DAPPLE_CHECK(columns.normals.size(), ==, n);
   DAPPLE_CHECK(columns.radii.size(), ==, n);
+  if (columns.order) DAPPLE_CHECK(columns.order->size(), ==, n);
   Scene& s = *scene_;
   s.size = n;
-  for (auto* column : {&s.x, &s.y, &s.z, &s.nx, &s.ny, &s.nz, &s.radius}) column->assign(room, 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const vec3 &p = columns.positions[i], normal = columns.normals[i];
+  s.order = columns.order ? *columns.order : std::vector<Index>();
+  for (auto* column : {&s.x, &s.y, &s.z, &s.nx, &s.ny, &s.nz}) column->resize(room);
+  s.radius.assign(room, 0);
+  forChunks(workers_, n, [&](std::size_t i) {
+    const Index point = pointOf(s, i);
+    const vec3 &p = columns.positions[point], normal = columns.normals[point];
     const float length = glm::length(normal);
     const vec3 unit = length > 0.5f ? normal / length : vec3(0);
     s.x[i] = p.x, s.y[i] = p.y, s.z[i] = p.z;
     s.nx[i] = unit.x, s.ny[i] = unit.y, s.nz[i] = unit.z;
-    s.radius[i] = columns.radii[i];
-  }
-  findBlocks(s);
+    s.radius[i] = columns.radii[point];
+  });
+  setBlocks(workers_, s);
   recolour(columns.colours);
-  setTexture(columns.texture, s);
+  setTexture(columns.texture, workers_, s);
 }
 
 void CpuSplatter::recolour(const std::vector<vec3>& colours) {
   DAPPLE_CHECK(colours.size(), ==, scene_->size);
-  scene_->colour.resize(paddedToLanes(colours.size()));
-  for (std::size_t i = 0; i < colours.size(); ++i) scene_->colour[i] = packed(255.f * colours[i]);
+  Scene& s = *scene_;
+  s.colour.resize(paddedToLanes(colours.size()));
+  forChunks(workers_, s.size,
+            [&](std::size_t i) { s.colour[i] = packed(255.f * colours[pointOf(s, i)]); });
 }
 
 void CpuSplatter::begin(const Camera& camera, int width, int height, const SplatOptions& options,
@@ -330,23 +376,31 @@ void CpuSplatter::begin(const Camera& camera, int width, int height, const Splat
   orderTiles(frame);
   frame.drawn.assign(frame.order.size(), 0);
   frame.firstLeft = 0;
+  frame.splats = 0;
 }
 
 bool CpuSplatter::advance(std::chrono::steady_clock::time_point until, Raster& out) {
   Frame& frame = scene_->frame;
   const std::size_t left = frame.order.size() - frame.firstLeft;
   std::atomic<bool> late = false;
+  std::atomic<std::size_t> splats = frame.splats;
   workers_.run(left, [&](std::size_t k) {
     // The first is drawn in any case, so that every call gets on.
     if (k > 0 && late.load(std::memory_order_relaxed)) return;
     const std::size_t tile = frame.order[frame.firstLeft + k];
-    scene_->painters.use([&](TilePainter& painter) { painter.paint(*scene_, frame, tile, out); });
+    scene_->painters.use(
+        [&](TilePainter& painter) { splats += painter.paint(*scene_, frame, tile, out); });
     frame.drawn[tile] = 1;
     if (std::chrono::steady_clock::now() >= until) late.store(true, std::memory_order_relaxed);
   });
+  frame.splats = splats;
   while (frame.firstLeft < frame.order.size() && frame.drawn[frame.order[frame.firstLeft]])
     ++frame.firstLeft;
   return frame.firstLeft == frame.order.size();
+}
+
+std::size_t CpuSplatter::splatsDrawn() const {
+  return scene_->frame.splats;
 }
 
 void CpuSplatter::draw(const Camera& camera, int width, int height, const SplatOptions& options,

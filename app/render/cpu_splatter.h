@@ -35,7 +35,7 @@ class CpuSplatter {
 
   // As SplatRenderer::update(); the columns are copied.
   void update(const SplatColumns& columns);
-  // New colours for the same n points.
+  // New colours for the same n points, in the order of the columns.
   void recolour(const std::vector<vec3>& colours);
 
   // The same bytes at any number of threads and on any processor. Throws InvalidInput as
@@ -48,6 +48,8 @@ class CpuSplatter {
   // the size is the same.
   void begin(const Camera& camera, int width, int height, const SplatOptions& options, Raster& out);
   bool advance(std::chrono::steady_clock::time_point until, Raster& out);
+  // Since begin(), each once for every tile that it may be seen in.
+  std::size_t splatsDrawn() const;
 
  private:
   struct Scene;

@@ -207,16 +207,22 @@ template <int kColumns, int k>
   out = counts ? out : zero;
 }
 
+// Of the splat that is nearest, in its own measure: where it lies and which it is.
 template <int kColumns>
 [[gnu::always_inline]] inline void traceSamples(const Reached& r, const Int8& counts, Index point,
-                                                int first, SplatTile& tile) {
-  for (int l = 0; l < static_cast<int>(kLanes); ++l) {
-    const int at = first + l % kColumns + l / kColumns * kSplatStride;
-    if (counts[l] == 0 || !(r.distance[l] < tile.least[at])) continue;
-    tile.least[at] = r.distance[l];
-    tile.seenDepth[at] = r.depth[l];
-    tile.point[at] = point;
-  }
+                                                int at, SplatTile& tile) {
+  Float8 least, depth, id;
+  Shape<kColumns>::load(&tile.least[at], least);
+  Shape<kColumns>::load(&tile.seenDepth[at], depth);
+  Shape<kColumns>::load(&tile.point[at], id);
+  const Int8 nearer = counts & (r.distance < least);
+  least = nearer ? r.distance : least;
+  depth = nearer ? r.depth : depth;
+  const Int8 own = Int8{} + static_cast<int>(point);
+  id = nearer ? reinterpret_cast<const Float8&>(own) : id;
+  Shape<kColumns>::store(least, &tile.least[at]);
+  Shape<kColumns>::store(depth, &tile.seenDepth[at]);
+  Shape<kColumns>::store(id, &tile.point[at]);
 }
 
 // What a splat is drawn with.

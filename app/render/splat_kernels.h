@@ -29,6 +29,7 @@ struct SplatScene {
   std::size_t size = 0;
   std::vector<float> x, y, z, nx, ny, nz, radius;  // local units; a normal may be zero
   std::vector<std::uint32_t> colour;               // as Raster::pixels
+  std::vector<Index> order;                        // which point each is; empty: they are in order
   SplatBlocks blocks;
   // Without a texture these are empty.
   std::vector<float> texelX, texelY;          // swatch pixels from the first one's centre, or NaN
@@ -78,7 +79,7 @@ struct SplatTile {
   alignas(64) float colour[4 * kSplatSamples];  // red, green, blue and weight of each sample
   // Of the splat that counts most, with trace only.
   alignas(64) float least[kSplatSamples], seenDepth[kSplatSamples];
-  alignas(64) Index point[kSplatSamples];
+  alignas(64) float point[kSplatSamples];  // the bits of an Index
 };
 
 // The tiles that the splats of a block may touch: first and last column and row; kNoTile: none.
@@ -96,8 +97,8 @@ struct BlockRange {
   std::size_t begin, end;  // begin: a multiple of 8
 };
 
-// Balls and mean normals of the blocks of a scene.
-void findBlocks(SplatScene& scene);
+// Balls and mean normals of some of the blocks of a scene, whose columns have room for them.
+void findBlocks(SplatScene& scene, BlockRange range);
 
 // `out` has room for whole lanes.
 void findTiles(const SplatBlocks& blocks, const SplatView& view, const TileGrid& grid,

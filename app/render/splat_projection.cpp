@@ -30,13 +30,10 @@ struct Seen {
 
 }  // namespace
 
-void findBlocks(SplatScene& s) {
+void findBlocks(SplatScene& s, BlockRange range) {
   SplatBlocks& b = s.blocks;
-  b.size = s.radius.size() / kLanes;
-  for (auto* column : {&b.x, &b.y, &b.z, &b.largest, &b.nx, &b.ny, &b.nz})
-    column->assign(paddedToLanes(b.size), 0);
-  b.spread.assign(paddedToLanes(b.size), -1);
-  for (std::size_t k = 0; k < b.size; ++k) {
+  for (std::size_t k = range.begin; k < range.end; ++k) {
+    b.largest[k] = 0, b.spread[k] = -1;
     vec3 low(std::numeric_limits<float>::infinity()), high = -low, normal(0);
     const std::size_t begin = k * kLanes, end = std::min(s.size, begin + kLanes);
     for (std::size_t i = begin; i < end; ++i) {

@@ -29,6 +29,7 @@ struct SplatColumns {
   const std::vector<vec3>& colours;  // 0..1, drawn as they are
   const std::vector<float>& radii;   // local units, of the disc; 0: not drawn
   const SplatTexture* texture = nullptr;
+  const std::vector<Index>* order = nullptr;  // n: in which they are drawn; null: as they are
 };
 
 // The radius that leaves no hole and yet blurs little, for a point that owns a square of surface of
@@ -61,6 +62,8 @@ struct SplatOptions {
   int samples = 1;  // 1..4: a pixel is the mean of samples x samples, for smooth outlines
   std::size_t count = kAllPoints;  // only this many of the first points are drawn ...
   float enlarge = 1;               // ... with their radii times this, > 0
+
+  bool operator==(const SplatOptions&) const = default;
 };
 
 // Throws InvalidInput unless 1 <= width, height <= 16384 and the options are in range.

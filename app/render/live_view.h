@@ -1,0 +1,74 @@
+// The picture in a window: in time and whole while the camera moves, complete soon after it rests.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "app/render/cpu_splatter.h"
+#include "app/render/level_order.h"
+
+namespace dapple {
+
+// Chooses the level of detail that can be drawn in a given time, from what the last pictures took.
+class DetailPacer {
+ public:
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+
+  // For levels with so many points, the coarsest first.
+  void start(const std::vector<std::size_t>& counts, Milliseconds budget);
+  std::size_t level() const { return level_; }
+  // The picture of level() took so long for so many splats, or was stopped then.
+  void took(Milliseconds time, bool whole, std::size_t splats, Milliseconds budget);
+
+ private:
+  std::size_t level_ = 0, levels_ = 0;
+  std::size_t tooFine_ = 0;  // this level took too long ...
+  int patience_ = 0;         // ... and is not tried again for so many pictures
+};
+
+class LiveView {
+ public:
+  enum class Progress { Coarse, Refining, Complete };
+
+  explicit LiveView(Workers& workers) : splatter_(workers) {}
+
+  // As CpuSplatter's, but the columns' order is the view's own: the points are in Morton order.
+  void update(const SplatColumns& columns);
+  void recolour(const std::vector<vec3>& colours);
+
+  // Draws into picture() what the budget allows. When the camera, size or options (their level of
+  // detail aside) differ from the last call's, or the points or colours were changed since, that is
+  // the whole picture, of as many points as can be drawn in time; when they do not, tile by tile
+  // the complete one, until that is there. Complete: there is nothing left to do. Throws
+  // InvalidInput as SplatRenderer::draw().
+  Progress frame(const Camera& camera, int width, int height, const SplatOptions& options,
+                 DetailPacer::Milliseconds budget);
+
+  // With the points' ids and depths.
+  const Raster& picture() const { return raster_; }
+
+ private:
+  struct Shown {
+    Camera camera;
+    int width = 0, height = 0;
+    SplatOptions options;
+    bool operator==(const Shown&) const = default;
+  };
+  using Clock = std::chrono::steady_clock;
+
+  Progress drawWhole(const Shown& wanted, Clock::time_point until,
+                     DetailPacer::Milliseconds budget);
+  Progress refine(Clock::time_point until);
+
+  CpuSplatter splatter_;
+  LevelOrder levels_;
+  DetailPacer pacer_;
+  Raster raster_{.trace = true};
+  Shown shown_;
+  bool stale_ = true;     // the points or colours have changed
+  bool started_ = false;  // the pacer knows the levels
+  bool begun_ = false;    // the complete picture is being drawn
+  Progress progress_ = Progress::Coarse;
+};
+
+}  // namespace dapple
