@@ -62,6 +62,7 @@ LiveView::Progress LiveView::drawWhole(const Shown& wanted, Clock::time_point un
   splatter_.begin(wanted.camera, wanted.width, wanted.height, options, raster_);
   const bool whole = splatter_.advance(until, raster_);
   pacer_.took(Clock::now() - start, whole, splatter_.splatsDrawn(), budget);
+  pointsDrawn_ = options.count;
   begun_ = options.count == levels_.order.size();
   return !begun_ ? Progress::Coarse : whole ? Progress::Complete : Progress::Refining;
 }

@@ -46,6 +46,8 @@ class LiveView {
 
   // With the points' ids and depths.
   const Raster& picture() const { return raster_; }
+  // By the last whole picture: all, or what its level of detail has.
+  std::size_t pointsDrawn() const { return pointsDrawn_; }
 
  private:
   struct Shown {
@@ -65,6 +67,7 @@ class LiveView {
   DetailPacer pacer_;
   Raster raster_{.trace = true};
   Shown shown_;
+  std::size_t pointsDrawn_ = 0;
   bool stale_ = true;     // the points or colours have changed
   bool started_ = false;  // the pacer knows the levels
   bool begun_ = false;    // the complete picture is being drawn
