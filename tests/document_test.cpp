@@ -87,10 +87,10 @@ TEST_CASE("a command that fails names the reason and leaves the document as it w
   CHECK_THROWS_WITH_AS(applied(d, Synthesize{.region = kUnassigned}),
                        "region 'Whole scan' has no swatch; choose one first", InvalidInput);
   CHECK_THROWS_AS(applied(d, SetSwatch{.region = 0, .reference = {.path = "none.png"}}), IoError);
-  CHECK_THROWS_AS(applied(d, SetSwatch{.region = 0,
-                                       .reference = {.path = "noise.png",
-                                                     .crop = PixelRect{40, 0, 20, 20}}}),
-                  InvalidInput);
+  CHECK_THROWS_AS(
+      applied(d, SetSwatch{.region = 0,
+                           .reference = {.path = "noise.png", .crop = PixelRect{40, 0, 20, 20}}}),
+      InvalidInput);
   CHECK_THROWS_AS(applied(d, AddStroke{.region = 0, .stroke = {}}), InvalidInput);
   TextureOptions bad;
   bad.scale = -1;

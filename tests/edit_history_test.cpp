@@ -62,7 +62,8 @@ TEST_CASE("after 1000 random edits undo leads back to the first byte and redo to
     const Command edit = randomEdit(history.document(), step);
     Document next = applied(history.document(), edit);
     if (step % 100 == 50 && findRegion(next, 0)->swatch) {
-      next = applied(next, SetRegion{.region = 0, .options = TextureOptions{.method = Method::Random}});
+      next = applied(next,
+                     SetRegion{.region = 0, .options = TextureOptions{.method = Method::Random}});
       if (!pointsOf(next, 0).empty()) next = applied(next, Synthesize{.region = 0});
     }
     history.push(label(edit, history.document()), next);
@@ -70,7 +71,8 @@ TEST_CASE("after 1000 random edits undo leads back to the first byte and redo to
   }
   CHECK(history.size() == 1001);
   const Document last = history.document();
-  for (std::size_t step = 1000; step > 0; --step) REQUIRE(sameContent(history.undo(), every[step - 1]));
+  for (std::size_t step = 1000; step > 0; --step)
+    REQUIRE(sameContent(history.undo(), every[step - 1]));
   CHECK(sameContent(history.document(), first));
   CHECK_THROWS_AS(history.undo(), InvalidInput);
   while (history.cursor() + 1 < history.size()) history.redo();
