@@ -8,6 +8,8 @@ namespace dapple {
 namespace {
 
 constexpr std::chrono::milliseconds kInterval{100};
+constexpr std::chrono::milliseconds kLongestInterval{190};  // 5 previews a second, with some margin
+constexpr int kPreviewShare = 50;                           // 1 / 50 of the time
 
 }  // namespace
 
@@ -19,6 +21,8 @@ const char* stageName(Stage stage) {
       return "neighbours";
     case Stage::Normals:
       return "normals";
+    case Stage::Segments:
+      return "segments";
     case Stage::Synthesis:
       return "synthesis";
     case Stage::Score:
@@ -31,12 +35,27 @@ const char* stageName(Stage stage) {
   return "unknown";
 }
 
-Monitor::Monitor(Workers& workers, std::stop_token stop, MonitorCallbacks callbacks)
-    : workers_(workers), stop_(std::move(stop)), callbacks_(std::move(callbacks)) {
+void PauseGate::resume() {
+  {
+    const std::lock_guard lock(mutex_);
+    paused_ = false;
+  }
+  wake_.notify_all();
+}
+
+void PauseGate::wait(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, stop, [&] { return !paused(); });
+}
+
+Monitor::Monitor(Workers& workers, std::stop_token stop, MonitorCallbacks callbacks,
+                 PauseGate* gate)
+    : workers_(workers), stop_(std::move(stop)), callbacks_(std::move(callbacks)), gate_(gate) {
   stageStart_ = Clock::now();
 }
 
 void Monitor::checkpoint() const {
+  if (gate_ && gate_->paused()) gate_->wait(stop_);
   if (cancelled()) throw Cancelled();
 }
 
@@ -85,13 +104,17 @@ void Monitor::report() {
 }
 
 bool Monitor::wantsPreview() {
-  return callbacks_.preview && Clock::now() - lastPreview_ >= kInterval;
+  if (!callbacks_.preview) return false;
+  previewAsked_ = Clock::now();
+  return previewAsked_ >= nextPreview_;
 }
 
 void Monitor::publish(const Preview& preview) {
   if (!callbacks_.preview) return;
   callbacks_.preview(preview);
-  lastPreview_ = Clock::now();
+  const auto now = Clock::now();
+  const Clock::duration rest = kPreviewShare * (now - previewAsked_);
+  nextPreview_ = now + std::clamp<Clock::duration>(rest, kInterval, kLongestInterval);
 }
 
 void parallelFor(Monitor& monitor, std::size_t count, std::size_t grain,

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <span>
@@ -15,7 +16,7 @@ namespace dapple {
 
 enum class PointState : std::uint8_t { Free, Patch, Gap, Matched };
 
-enum class Stage { Load, Neighbours, Normals, Synthesis, Score, Render, Save };
+enum class Stage { Load, Neighbours, Normals, Segments, Synthesis, Score, Render, Save };
 const char* stageName(Stage stage);
 
 struct Progress {
@@ -36,12 +37,30 @@ struct MonitorCallbacks {
   std::function<void(const Preview&)> preview;
 };
 
+// Holds up whoever works under a Monitor. Any thread may pause and resume.
+class PauseGate {
+ public:
+  void pause() { paused_ = true; }
+  void resume();
+  bool paused() const { return paused_.load(std::memory_order_relaxed); }
+  // Returns once resumed, or as soon as `stop` is requested.
+  void wait(const std::stop_token& stop);
+
+ private:
+  std::atomic<bool> paused_{false};
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+};
+
 // Every long function takes one Monitor& last and calls checkpoint() at least every 10 ms of work.
 // checkpoint(), advance() and cancelled() may be called from any thread; the callbacks come at most
-// 10 times a second, one at a time.
+// 10 times a second, one at a time; previews less often when taking them costs more than 2 % of the
+// time, down to 5 a second.
 class Monitor {
  public:
-  explicit Monitor(Workers& workers, std::stop_token stop = {}, MonitorCallbacks callbacks = {});
+  // A `gate` outlives this; while it is paused, checkpoint() waits.
+  explicit Monitor(Workers& workers, std::stop_token stop = {}, MonitorCallbacks callbacks = {},
+                   PauseGate* gate = nullptr);
 
   Workers& workers() { return workers_; }
   bool cancelled() const { return stop_.stop_requested(); }
@@ -53,7 +72,7 @@ class Monitor {
   // `points` more are done. Throws Cancelled.
   void advance(std::size_t points);
 
-  // True at most 10 times a second, and only when somebody looks: then gather and publish().
+  // True from time to time, and only when somebody looks: then gather and publish().
   bool wantsPreview();
   void publish(const Preview& preview);
 
@@ -64,10 +83,11 @@ class Monitor {
   Workers& workers_;
   std::stop_token stop_;
   MonitorCallbacks callbacks_;
+  PauseGate* gate_ = nullptr;
   std::mutex mutex_;
   Stage stage_ = Stage::Load;
   std::size_t total_ = 0, passes_ = 1;
-  Clock::time_point stageStart_, lastPreview_;
+  Clock::time_point stageStart_, previewAsked_, nextPreview_;
   std::atomic<std::size_t> done_{0};
   std::atomic<std::int64_t> nextReport_{0};
 };

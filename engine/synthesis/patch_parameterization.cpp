@@ -51,6 +51,12 @@ class PatchRoom {
     return true;
   }
 
+  // A guess at close() while the patch grows, exact when it can be.
+  vec2 openOffset() const {
+    if (swatch_.tileable || swatch_.hasHoles) return offset_;
+    return 0.5f * vec2(swatch_.width, swatch_.height);
+  }
+
   // Once grown: how far the patch's domain lies from swatch coordinates.
   vec2 close() {
     if (swatch_.tileable || swatch_.hasHoles) return offset_;
@@ -235,13 +241,23 @@ class Grower {
   void countDecided() {
     if (++decided_ % kCheckpointEvery != 0) return;
     monitor_.advance(kCheckpointEvery);
-    if (monitor_.wantsPreview()) monitor_.publish({map_.colour, map_.state});
+    if (monitor_.wantsPreview()) preview();
+  }
+
+  // The patch at hand has no place in the swatch yet: shown where it probably will be.
+  void preview() {
+    for (shown_ = std::max(shown_, placed_); shown_ < grown_.size(); ++shown_) {
+      const Index i = grown_[shown_];
+      map_.colour[i] = sampleSwatch(input_.swatch, map_.domain[i] + room_.openOffset());
+    }
+    monitor_.publish({map_.colour, map_.state});
   }
 
   // Step 8.
   void place(std::size_t first, vec2 offset) {
     map_.placement.push_back(offset);
     for (std::size_t g = first; g < grown_.size(); ++g) placePoint(map_, input_.swatch, grown_[g]);
+    placed_ = grown_.size();
   }
 
   // All that the queue asks of a point, small enough to stay in the cache.
@@ -268,6 +284,7 @@ class Grower {
   std::vector<Index> contributors_, raised_;  // of the point at hand
   std::vector<Index> grown_;                  // patch points, patch after patch
   std::size_t decided_ = 0;
+  std::size_t placed_ = 0, shown_ = 0;  // of grown_: in the swatch, in the last preview
   double distortionSum_ = 0;
   PatchStatistics statistics_;
 };

@@ -1,0 +1,119 @@
+// What a user can do to a document. Every change, from window or command line, is one of these.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <variant>
+
+#include "document/document.h"
+#include "document/textured_scan.h"
+#include "regions/segmentation.h"
+
+namespace dapple {
+
+enum class SelectMode { Replace, Add, Subtract, Intersect };
+
+struct OpenScan {
+  std::string path;
+  LoadOptions load;
+  int neighbours = 25;
+};
+struct AddRegion {
+  std::string name;            // empty: numbered
+  std::optional<vec3> colour;  // else one that differs from the others
+  bool fromSelection = true;   // the selected points become its own
+};
+struct RemoveRegion {
+  RegionId region;  // its points become unassigned
+};
+struct SetRegion {  // what is given
+  RegionId region;
+  std::optional<std::string> name;
+  std::optional<vec3> colour;
+  std::optional<bool> visible, locked;
+  std::optional<double> rotation, borderWidth;
+  std::optional<TextureOptions> options;
+};
+struct MoveRegion {
+  RegionId region;
+  std::size_t position;  // in the list
+};
+struct Select {
+  std::vector<Index> points;  // Replace with none: nothing is selected
+  SelectMode mode = SelectMode::Replace;
+};
+struct SelectAll {};
+struct SelectRegion {
+  RegionId region;
+  SelectMode mode = SelectMode::Replace;
+};
+struct SelectConnected {
+  Index seed;
+  SelectMode mode = SelectMode::Replace;
+};
+struct SelectWand {
+  Index seed;
+  WandOptions wand;  // a Distance in mean point spacings
+  SelectMode mode = SelectMode::Replace;
+};
+struct GrowSelection {
+  int steps = 1;
+};
+struct ShrinkSelection {
+  int steps = 1;
+};
+struct InvertSelection {};
+struct AssignSelection {
+  RegionId region;  // points of locked regions stay
+};
+struct SetSwatch {
+  RegionId region;
+  SwatchReference reference;  // an empty path: no swatch
+};
+struct AddStroke {
+  RegionId region;
+  Stroke stroke;
+};
+struct SetStroke {
+  RegionId region;
+  std::size_t stroke;
+  Stroke value;
+};
+struct RemoveStroke {
+  RegionId region;
+  std::size_t stroke;
+};
+struct SegmentAutomatically {
+  int parts = 4;  // new regions, set up as kUnassigned is, in place of all that are not locked
+};
+struct Synthesize {
+  std::optional<RegionId> region;  // else every region that has a swatch and is not locked
+};
+struct ClearResult {
+  std::optional<RegionId> region;
+};
+struct OpenProject {
+  std::string path;
+  std::string scan;  // where the scan is now, if neither place that the project names holds it
+};
+struct SaveProject {
+  std::string path;
+};
+struct ExportScan {
+  std::string path;
+  ExportOptions options;
+  bool ascii = false;
+};
+struct Undo {};
+struct Redo {};
+struct GoTo {
+  std::size_t entry;  // of the history
+};
+
+using Command = std::variant<OpenScan, AddRegion, RemoveRegion, SetRegion, MoveRegion, Select,
+                             SelectAll, SelectRegion, SelectConnected, SelectWand, GrowSelection,
+                             ShrinkSelection, InvertSelection, AssignSelection, SetSwatch,
+                             AddStroke, SetStroke, RemoveStroke, SegmentAutomatically, Synthesize,
+                             ClearResult, OpenProject, SaveProject, ExportScan, Undo, Redo, GoTo>;
+
+}  // namespace dapple

@@ -1,0 +1,130 @@
+// All that a user works on, as one value: a handful of shared, immutable columns. A copy costs a
+// few pointers, so that every undo step is a Document.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "document/texture_job.h"
+#include "regions/point_mask.h"
+#include "regions/strokes.h"
+
+namespace dapple {
+
+template <class T>
+using Column = std::shared_ptr<const std::vector<T>>;
+
+using RegionId = std::uint8_t;
+inline constexpr RegionId kUnassigned = 0;  // the region of all points that belong to no other
+inline constexpr std::size_t kMostRegions = 255;
+
+// A scan as it was opened.
+struct OpenedScan {
+  PreparedScan prepared;
+  std::string path;  // absolute
+  LoadOptions load;
+  int neighbours = 0;      // of prepared.neighborhoods
+  std::uint64_t hash = 0;  // of the file's bytes
+};
+
+struct PixelRect {
+  int x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const PixelRect&) const = default;
+};
+
+// Where a region's swatch comes from.
+struct SwatchReference {
+  std::string path;               // empty: none
+  std::optional<PixelRect> crop;  // of the image; all of it when not given
+  bool operator==(const SwatchReference&) const = default;
+};
+
+// What a user says of a part of the scan. Its scale is options.scale.
+struct Region {
+  RegionId id = kUnassigned;
+  std::string name;
+  vec3 colour{0.6f};
+  bool visible = true;
+  bool locked = false;  // its points stay its own and as they are
+  SwatchReference reference;
+  std::shared_ptr<const Image> image;  // cropped; null: none, or not found when the project opened
+  std::shared_ptr<const Swatch> swatch;  // of image
+  TextureOptions options;
+  double rotation = 0;     // of the swatch, degrees, counter-clockwise seen from outside
+  double borderWidth = 0;  // over which it blends into its neighbours, mean point spacings
+  Column<Stroke> strokes;  // null: none
+};
+
+// What one synthesis made its points from.
+struct ResultSource {
+  RegionId region = kUnassigned;
+  SwatchReference reference;
+  std::shared_ptr<const Swatch> swatch;
+  float unit = 0;        // local units per swatch pixel
+  bool partial = false;  // stopped on the way: colours and states only
+  TextureOptions options;
+  SynthesisStatistics statistics;
+  // Points that mix several texels, and their terms.
+  std::vector<Index> blended;         // ascending
+  std::vector<std::size_t> blendEnd;  // by blended: where its terms end in `blend`
+  std::vector<BlendTerm> blend;
+};
+
+inline constexpr std::uint16_t kNoSource = 0xffff;
+
+// The source map of the whole scan: columns of n elements, all null until something is synthesized.
+// Patch ids are unique within one source.
+struct Results {
+  Column<std::uint16_t> source;  // position in sources; kNoSource: never synthesized
+  Column<vec2> texel;
+  Column<TangentFrame> frame;
+  Column<vec3> colour;  // never synthesized: the scan's own, or kBare
+  Column<PointState> state;
+  Column<Index> patch;
+  Column<float> error;
+  Column<Index> order;
+  std::vector<std::shared_ptr<const ResultSource>> sources;
+};
+inline constexpr vec3 kBare{0.72f};  // points without any colour
+
+struct Document {
+  std::shared_ptr<const OpenedScan> scan;      // null: nothing is open
+  Column<RegionId> labels;                     // n
+  Column<Region> regions;                      // in the user's order; kUnassigned is always there
+  std::shared_ptr<const PointMask> selection;  // null: nothing is selected
+  Results results;
+
+  std::size_t size() const { return scan ? scan->prepared.scan.points.size() : 0; }
+  const PointSet& points() const { return scan->prepared.scan.points; }
+};
+
+// Nothing open, one region for all that will come.
+Document emptyDocument();
+
+// Null when there is none.
+const Region* findRegion(const Document& document, RegionId id);
+std::vector<Index> pointsOf(const Document& document, RegionId id);
+
+// The colour that a viewer shows (n): results, else the scan's own, else kBare.
+std::vector<vec3> shownColours(const Document& document);
+
+// The results as one map, for what reads a whole scan at once (export). Its scale is that of the
+// largest source. Throws InvalidInput when nothing is synthesized.
+SourceMap wholeMap(const Document& document);
+
+// The heap blocks that a document holds; the same block has the same address in all that share it.
+struct MemoryBlock {
+  const void* address = nullptr;
+  std::size_t bytes = 0;
+};
+std::vector<MemoryBlock> memoryBlocks(const Document& document);
+
+// Bytes of `document` that it does not share with `other`.
+std::size_t ownBytes(const Document& document, const Document& other);
+
+// True when all columns hold equal bytes and all regions equal settings, shared or not.
+bool sameContent(const Document& a, const Document& b);
+
+}  // namespace dapple

@@ -1,0 +1,399 @@
+#include "document/engine.h"
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "base/errors.h"
+#include "document/edit_history.h"
+#include "document/preview_board.h"
+
+namespace dapple {
+namespace {
+
+template <class F>
+class AtExit {
+ public:
+  explicit AtExit(F run) : run_(std::move(run)) {}
+  ~AtExit() { run_(); }
+  AtExit(const AtExit&) = delete;
+  AtExit& operator=(const AtExit&) = delete;
+
+ private:
+  F run_;
+};
+
+enum class Ending { Natural, Keep, Discard };
+
+void bumpVersions(const Snapshot& before, Snapshot& now) {
+  const auto differs = [&](Part part, const auto& a, const auto& b) {
+    if (a != b) ++now.version[static_cast<std::size_t>(part)];
+  };
+  const Document &a = before.document, &b = now.document;
+  differs(Part::Scan, a.scan, b.scan);
+  differs(Part::Labels, a.labels, b.labels);
+  differs(Part::Regions, a.regions, b.regions);
+  differs(Part::Selection, a.selection, b.selection);
+  differs(Part::Colour, a.results.colour, b.results.colour);
+  differs(Part::State, a.results.state, b.results.state);
+  differs(Part::Patch, a.results.patch, b.results.patch);
+  differs(Part::Error, a.results.error, b.results.error);
+  differs(Part::Order, a.results.order, b.results.order);
+  differs(Part::Texel, a.results.texel, b.results.texel);
+  differs(Part::History, before.history, now.history);
+  differs(Part::Preview, before.previewColour, now.previewColour);
+}
+
+}  // namespace
+
+struct Engine::Core {
+  // A job and its thread. The engine thread makes it and takes its outcome after join().
+  struct Job {
+    Command command;
+    std::string label;
+    Document document;
+    std::unique_ptr<PreviewBoard> board;  // of a synthesis
+    std::stop_source stop;
+    std::atomic<Ending> ending{Ending::Natural};
+    bool kept = false;           // stopped on the way, with an outcome
+    Change change;               // the outcome, unless
+    std::exception_ptr failure;  // it failed
+    std::thread thread;
+
+    void end(Ending how) {
+      ending = how;
+      stop.request_stop();
+    }
+  };
+
+  explicit Core(EngineOptions given)
+      : options(std::move(given)),
+        jobWorkers(options.threads),
+        quickWorkers(options.threads),
+        history(emptyDocument(), "New", options.historyBudget),
+        current(firstSnapshot()) {
+    thread = std::thread([this] { serve(); });
+  }
+
+  ~Core() {
+    {
+      const std::lock_guard lock(mutex);
+      quit = true;
+      if (job) job->end(Ending::Discard);
+    }
+    wake.notify_all();
+    thread.join();
+  }
+
+  // ---- engine thread -----------------------------------------------------------------------
+
+  void serve() {
+    for (;;) {
+      Wake reason = Wake::Quit;
+      {
+        std::unique_lock lock(mutex);
+        // A command that waits for the job holds up those behind it.
+        const auto ready = [&] {
+          if (quit && !job)
+            reason = Wake::Quit;
+          else if (jobDone)
+            reason = Wake::JobDone;
+          else if (!quit && !waiting && !queue.empty())
+            reason = Wake::NewCommand;
+          else
+            return false;
+          return true;
+        };
+        wake.wait(lock, ready);
+        if (reason == Wake::NewCommand)
+          head = std::move(queue.front()), queue.pop_front(), handling = true;
+      }
+      if (reason == Wake::Quit) return;
+      if (reason == Wake::JobDone) endJob();
+      if (head) meetJob();
+      tellStatus();
+    }
+  }
+
+  void meetJob() {
+    waiting = false;
+    if (job) {
+      const Meeting m = meeting(*head, job->command, history.document());
+      if (m == Meeting::Stops) job->end(Ending::Discard);
+      waiting = m != Meeting::Beside;
+      if (waiting) return;
+    }
+    const Command command = std::move(*head);
+    head.reset();
+    if (isJob(command))
+      startJob(command);
+    else
+      carryOut(command);
+  }
+
+  void carryOut(const Command& command) {
+    const std::string name = label(command, history.document());
+    try {
+      if (std::holds_alternative<Undo>(command))
+        history.undo();
+      else if (std::holds_alternative<Redo>(command))
+        history.redo();
+      else if (const auto* to = std::get_if<GoTo>(&command))
+        history.goTo(to->entry);
+      else {
+        Monitor monitor(quickWorkers);
+        history.push(name, apply(history.document(), command, contextOf(nullptr), monitor));
+      }
+    } catch (const std::exception& error) {
+      return fail(name, error.what());
+    }
+    publishDocument();
+  }
+
+  void startJob(const Command& command) {
+    auto next = std::make_unique<Job>();
+    next->command = command;
+    next->document = history.document();
+    next->label = label(command, next->document);
+    Job& started = *next;
+    {
+      const std::lock_guard lock(mutex);
+      job = std::move(next);
+      jobDone = false;
+      status.job = started.label;
+      status.progress = {};
+      if (quit) started.end(Ending::Discard);
+    }
+    started.thread = std::thread([this, &started] { work(started); });
+  }
+
+  void endJob() {
+    std::unique_ptr<Job> ended;
+    job->thread.join();
+    {
+      const std::lock_guard lock(mutex);
+      ended = std::move(job);
+      jobDone = false;
+      status.job.clear();
+      status.progress = {};
+      status.paused = false;
+    }
+    gate.resume();
+    waiting = false;
+    try {
+      if (ended->failure) std::rethrow_exception(ended->failure);
+      // Stopped too late to notice: the wish counts.
+      if (ended->ending == Ending::Discard) throw Cancelled();
+      if (!onlyReads(ended->command))
+        history.push(ended->label + (ended->kept ? " (stopped)" : ""),
+                     ended->change(history.document()));
+    } catch (const Cancelled&) {
+    } catch (const std::exception& error) {
+      fail(ended->label, error.what());
+    }
+    publishDocument();
+  }
+
+  void publishDocument() {
+    auto labels = std::make_shared<std::vector<std::string>>();
+    for (std::size_t e = 0; e < history.size(); ++e) labels->push_back(history.label(e));
+    replaceSnapshot([&](Snapshot& next) {
+      next.document = history.document();
+      next.history = std::move(labels);
+      next.cursor = history.cursor();
+      if (!job) next.previewColour = nullptr, next.previewState = nullptr;
+    });
+  }
+
+  void tellStatus() {
+    {
+      const std::lock_guard lock(mutex);
+      status.historyBytes = history.bytes();
+      handling = head.has_value();
+    }
+    idle.notify_all();
+    if (options.changed) options.changed();
+  }
+
+  void fail(const std::string& name, const std::string& what) {
+    const std::lock_guard lock(mutex);
+    status.error = what;
+    status.failed = name;
+    ++status.errors;
+  }
+
+  // ---- job thread --------------------------------------------------------------------------
+
+  void work(Job& now) {
+    const AtExit tell([&] {
+      {
+        const std::lock_guard lock(mutex);
+        jobDone = true;
+      }
+      wake.notify_all();
+    });
+    try {
+      if (std::holds_alternative<Synthesize>(now.command))
+        now.board = std::make_unique<PreviewBoard>(now.document);
+      MonitorCallbacks callbacks{.progress = [&](const Progress& p) { tellProgress(now, p); }};
+      if (now.board) callbacks.preview = [&](const Preview& p) { showPreview(now, p); };
+      Monitor monitor(jobWorkers, now.stop.get_token(), callbacks, &gate);
+      now.change = compute(now.document, now.command, contextOf(&now), monitor);
+    } catch (...) {
+      now.failure = std::current_exception();
+    }
+  }
+
+  CommandContext contextOf(Job* now) {
+    CommandContext context{.readImage = options.readImage};
+    context.note = [this](const std::string& text) {
+      const std::lock_guard lock(mutex);
+      status.note = text;
+      ++status.notes;
+    };
+    if (!now || !now->board) return context;
+    PreviewBoard& board = *now->board;
+    context.watch.begins = [&board](auto points, std::size_t before, std::size_t total) {
+      board.begins(points, before, total);
+    };
+    context.watch.ends = [this, &board](const SourceMap& map) {
+      board.ends(map);
+      publishPreview(board);
+    };
+    context.watch.keepsDone = [now] { return now->kept = now->ending == Ending::Keep; };
+    context.watch.shown = [&board] { return Preview{board.colours(), board.states()}; };
+    return context;
+  }
+
+  void tellProgress(const Job& now, const Progress& progress) {
+    {
+      const std::lock_guard lock(mutex);
+      status.progress = now.board ? now.board->overall(progress) : progress;
+    }
+    if (options.changed) options.changed();
+  }
+
+  void showPreview(Job& now, const Preview& preview) {
+    now.board->show(preview);
+    publishPreview(*now.board);
+  }
+
+  void publishPreview(const PreviewBoard& board) {
+    auto colour = std::make_shared<const std::vector<vec3>>(board.colours());
+    auto state = std::make_shared<const std::vector<PointState>>(board.states());
+    replaceSnapshot([&](Snapshot& next) {
+      next.previewColour = std::move(colour);
+      next.previewState = std::move(state);
+    });
+    if (options.changed) options.changed();
+  }
+
+  // ---- any thread --------------------------------------------------------------------------
+
+  // The old snapshot, which may be the last to hold large columns, is let go outside the mutex.
+  void replaceSnapshot(const std::function<void(Snapshot&)>& modify) {
+    std::shared_ptr<const Snapshot> old;
+    const std::lock_guard order(publishing);
+    auto next = std::make_shared<Snapshot>(*snapshot());
+    const Snapshot& before = *snapshot();
+    modify(*next);
+    bumpVersions(before, *next);
+    const std::lock_guard lock(mutex);
+    old = std::move(current);
+    current = std::move(next);
+  }
+
+  std::shared_ptr<const Snapshot> snapshot() const {
+    const std::lock_guard lock(mutex);
+    return current;
+  }
+
+  std::shared_ptr<const Snapshot> firstSnapshot() const {
+    auto first = std::make_shared<Snapshot>();
+    first->document = history.document();
+    first->history =
+        std::make_shared<const std::vector<std::string>>(1, history.label(history.cursor()));
+    return first;
+  }
+
+  bool busy() const { return handling || !queue.empty() || job || jobDone; }
+
+  enum class Wake { Quit, JobDone, NewCommand };
+
+  const EngineOptions options;
+  Workers jobWorkers, quickWorkers;
+  PauseGate gate;
+
+  // Of the engine thread alone.
+  EditHistory history;
+  std::optional<Command> head;  // taken from the queue
+  bool waiting = false;         // head waits for the end of the job
+
+  std::mutex publishing;  // one publisher at a time; taken before `mutex`
+  mutable std::mutex mutex;
+  std::condition_variable wake, idle;
+  // Under `mutex`. The engine thread alone changes `job` and may read it without.
+  std::deque<Command> queue;
+  bool quit = false, jobDone = false;
+  bool handling = false;  // the engine thread has a command in hand
+  std::unique_ptr<Job> job;
+  std::shared_ptr<const Snapshot> current;
+  EngineStatus status;
+
+  std::thread thread;
+};
+
+Engine::Engine(EngineOptions options) : core_(std::make_unique<Core>(std::move(options))) {}
+Engine::~Engine() = default;
+
+void Engine::submit(Command command) {
+  {
+    const std::lock_guard lock(core_->mutex);
+    core_->queue.push_back(std::move(command));
+  }
+  core_->wake.notify_all();
+}
+
+std::shared_ptr<const Snapshot> Engine::snapshot() const {
+  return core_->snapshot();
+}
+
+EngineStatus Engine::status() const {
+  const std::lock_guard lock(core_->mutex);
+  EngineStatus status = core_->status;
+  status.busy = core_->busy();
+  status.waiting = core_->queue.size() + (core_->handling ? 1 : 0);
+  return status;
+}
+
+void Engine::pause() {
+  const std::lock_guard lock(core_->mutex);
+  if (!core_->job) return;
+  core_->gate.pause();
+  core_->status.paused = true;
+}
+
+void Engine::resume() {
+  const std::lock_guard lock(core_->mutex);
+  core_->gate.resume();
+  core_->status.paused = false;
+}
+
+void Engine::stop() {
+  const std::lock_guard lock(core_->mutex);
+  if (core_->job) core_->job->end(Ending::Keep);
+}
+
+void Engine::cancel() {
+  const std::lock_guard lock(core_->mutex);
+  if (core_->job) core_->job->end(Ending::Discard);
+}
+
+void Engine::finish() {
+  std::unique_lock lock(core_->mutex);
+  core_->idle.wait(lock, [&] { return !core_->busy(); });
+}
+
+}  // namespace dapple

@@ -1,0 +1,98 @@
+// The thread that owns the document: commands in, immutable snapshots out.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "document/apply.h"
+
+namespace dapple {
+
+// Parts of a snapshot that change by themselves.
+enum class Part {
+  Scan,
+  Labels,
+  Regions,
+  Selection,
+  Colour,
+  State,
+  Patch,
+  Error,
+  Order,
+  Texel,
+  History,
+  Preview
+};
+inline constexpr std::size_t kParts = 12;
+
+struct Snapshot {
+  Document document;
+  std::shared_ptr<const std::vector<std::string>> history;  // labels, oldest first
+  std::size_t cursor = 0;                                   // of the present document
+  // While a synthesis runs, what it has so far: n elements each; else null.
+  Column<vec3> previewColour;
+  Column<PointState> previewState;  // Free: not reached yet, or not part of this synthesis
+  // Grow by one whenever the part changes: a viewer uploads what differs from what it has.
+  std::array<std::uint64_t, kParts> version{};
+
+  std::uint64_t of(Part part) const { return version[static_cast<std::size_t>(part)]; }
+};
+
+struct EngineStatus {
+  bool busy = false;        // a command is carried out or waits
+  bool paused = false;      // jobs wait
+  std::string job;          // label of what runs; empty: nothing that takes long
+  Progress progress;        // of the job; all regions of a synthesis together
+  std::size_t waiting = 0;  // commands
+  // The last command that failed, which, and how many have.
+  std::string error, failed;
+  std::size_t errors = 0;
+  // The last thing that the user should know, and how many there were.
+  std::string note;
+  std::size_t notes = 0;
+  std::size_t historyBytes = 0;
+};
+
+struct EngineOptions {
+  unsigned threads = 0;                              // of jobs; 0: one a processor
+  std::size_t historyBudget = std::size_t{1} << 30;  // bytes
+  std::function<Image(const std::filesystem::path&)> readImage;
+  // Something new is to be seen. Called from the engine's threads, at most about 20 times a second
+  // while a job runs; must return at once and not call the engine.
+  std::function<void()> changed;
+};
+
+// All functions may be called from any thread, and return at once but for finish().
+//
+// Quick commands are carried out in the order of their arrival on one thread, which owns the
+// document. Jobs (isJob()) read the document on a second thread, one after another; a quick command
+// that touches nothing that the job reads is carried out meanwhile, one that does stops the job
+// first, and anything else waits (meeting()).
+class Engine {
+ public:
+  explicit Engine(EngineOptions options = {});
+  ~Engine();  // stops what runs
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  void submit(Command command);
+  std::shared_ptr<const Snapshot> snapshot() const;
+  EngineStatus status() const;
+
+  // Of the job that runs, if any.
+  void pause();
+  void resume();
+  void stop();    // keeps what is done so far, as an edit of its own
+  void cancel();  // leaves the document as before the job
+
+  // Waits until all that was submitted is done. For programs without a window, and tests.
+  void finish();
+
+ private:
+  struct Core;
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace dapple

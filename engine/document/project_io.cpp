@@ -1,0 +1,578 @@
+#include "document/project_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/errors.h"
+#include "base/hash_rng.h"
+#include "document/edits.h"
+#include "document/options_table.h"
+#include "io/output_file.h"
+#include "io/ply.h"
+
+namespace dapple {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kMark = "Dapple project";  // the first comment
+constexpr std::size_t kHashBlock = std::size_t{1} << 20;
+constexpr int kFewestNeighbours = 8, kMostNeighbours = 128;
+
+// ---- columns -------------------------------------------------------------------------------
+
+template <class T>
+constexpr ScalarType scalarOf() {
+  if constexpr (std::is_same_v<T, float>) return ScalarType::Float32;
+  if constexpr (std::is_same_v<T, std::uint8_t>) return ScalarType::UInt8;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return ScalarType::UInt16;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return ScalarType::UInt32;
+}
+
+template <class T>
+std::vector<std::byte> asBytes(const std::vector<T>& values) {
+  std::vector<std::byte> bytes(values.size() * sizeof(T));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+// Columns of the scalars T that make up each element of a structure column.
+template <class T, class Value>
+void add(Element& element, std::initializer_list<const char*> names,
+         const std::vector<Value>& column) {
+  static_assert(sizeof(Value) % sizeof(T) == 0 && std::is_trivially_copyable_v<Value>);
+  const std::size_t width = sizeof(Value) / sizeof(T);
+  DAPPLE_CHECK(names.size(), ==, width);
+  std::size_t c = 0;
+  for (const char* name : names) {
+    Property property{.name = name, .type = scalarOf<T>()};
+    property.values.resize(column.size() * sizeof(T));
+    const auto* from = reinterpret_cast<const std::byte*>(column.data()) + c * sizeof(T);
+    for (std::size_t i = 0; i < column.size(); ++i)
+      std::memcpy(property.values.data() + i * sizeof(T), from + i * sizeof(Value), sizeof(T));
+    element.properties.push_back(std::move(property));
+    ++c;
+  }
+  element.count = column.size();
+}
+
+template <class T>
+void addLists(Element& element, const char* name, const std::vector<std::vector<T>>& lists) {
+  Property property{.name = name,
+                    .type = scalarOf<T>(),
+                    .isList = true,
+                    .countType = ScalarType::UInt32,
+                    .listOffsets = {0}};
+  for (const std::vector<T>& list : lists) {
+    const std::vector<std::byte> bytes = asBytes(list);
+    property.values.insert(property.values.end(), bytes.begin(), bytes.end());
+    property.listOffsets.push_back(property.listOffsets.back() + list.size());
+  }
+  element.properties.push_back(std::move(property));
+  element.count = lists.size();
+}
+
+[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+  throw InvalidInput(fmt::format(
+      "{}: {}. The project is damaged or not Dapple's; take an older copy of it.", file, what));
+}
+
+// Reads what add() and addLists() wrote.
+class Columns {
+ public:
+  Columns(const std::string& file, const RecordTable& table, const char* element)
+      : file_(file), name_(element), element_(table.find(element)) {}
+
+  bool exists() const { return element_ != nullptr; }
+  std::size_t count() const { return element_ ? element_->count : 0; }
+
+  bool has(const char* column) const { return element_ && element_->find(column); }
+
+  template <class T, class Value>
+  std::shared_ptr<const std::vector<Value>> read(std::initializer_list<const char*> names) const {
+    std::vector<Value> out(count());
+    std::size_t c = 0;
+    for (const char* name : names) {
+      const Property& property = find(name, scalarOf<T>(), false);
+      auto* to = reinterpret_cast<std::byte*>(out.data()) + c++ * sizeof(T);
+      for (std::size_t i = 0; i < out.size(); ++i)
+        std::memcpy(to + i * sizeof(Value), property.values.data() + i * sizeof(T), sizeof(T));
+    }
+    return std::make_shared<const std::vector<Value>>(std::move(out));
+  }
+
+  template <class T, class Value>
+  std::vector<std::vector<Value>> lists(const char* name) const {
+    const Property& property = find(name, scalarOf<T>(), true);
+    const std::size_t width = sizeof(Value) / sizeof(T);
+    std::vector<std::vector<Value>> out(count());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const std::size_t begin = property.listOffsets[i], end = property.listOffsets[i + 1];
+      if ((end - begin) % width != 0)
+        refuse(file_,
+               fmt::format("{} {} has a list '{}' of {} numbers", name_, i, name, end - begin));
+      out[i].resize((end - begin) / width);
+      if (end > begin)
+        std::memcpy(out[i].data(), property.values.data() + begin * sizeof(T),
+                    (end - begin) * sizeof(T));
+    }
+    return out;
+  }
+
+ private:
+  const Property& find(const char* name, ScalarType type, bool isList) const {
+    const Property* property = element_ ? element_->find(name) : nullptr;
+    if (!property || property->type != type || property->isList != isList)
+      refuse(file_, fmt::format("element '{}' has no column '{}' of the right type", name_, name));
+    return *property;
+  }
+
+  const std::string& file_;
+  const char* name_;
+  const Element* element_;
+};
+
+constexpr auto kTexel = {"texel_x", "texel_y"};
+constexpr auto kFrame = {"frame_sx", "frame_sy", "frame_sz", "frame_tx", "frame_ty",
+                         "frame_tz", "frame_nx", "frame_ny", "frame_nz"};
+constexpr auto kColour = {"red", "green", "blue"};
+
+Element pointElement(const Document& document) {
+  Element points{.name = "point"};
+  add<std::uint8_t>(points, {"region"}, *document.labels);
+  if (document.selection) {
+    std::vector<std::uint8_t> selected(document.size());
+    for (std::size_t i = 0; i < selected.size(); ++i) selected[i] = document.selection->has(i);
+    add<std::uint8_t>(points, {"selected"}, selected);
+  }
+  const Results& results = document.results;
+  if (!results.source) return points;
+  add<std::uint16_t>(points, {"source"}, *results.source);
+  add<float>(points, kTexel, *results.texel);
+  add<float>(points, kFrame, *results.frame);
+  add<float>(points, kColour, *results.colour);
+  add<std::uint8_t>(points, {"state"}, *results.state);
+  add<std::uint32_t>(points, {"patch"}, *results.patch);
+  add<float>(points, {"error"}, *results.error);
+  add<std::uint32_t>(points, {"order"}, *results.order);
+  return points;
+}
+
+Element strokeElement(const Document& document) {
+  std::vector<std::uint8_t> region;
+  std::vector<float> weight, scale;
+  std::vector<std::vector<float>> positions;
+  std::vector<std::vector<Index>> points;
+  for (const Region& r : *document.regions) {
+    if (!r.strokes) continue;
+    for (const Stroke& stroke : *r.strokes) {
+      region.push_back(r.id);
+      weight.push_back(stroke.weight);
+      scale.push_back(stroke.scale.value_or(0));
+      points.push_back(stroke.points);
+      std::vector<float>& numbers = positions.emplace_back();
+      for (const vec3& p : stroke.positions) numbers.insert(numbers.end(), {p.x, p.y, p.z});
+    }
+  }
+  Element strokes{.name = "stroke"};
+  add<std::uint8_t>(strokes, {"region"}, region);
+  add<float>(strokes, {"weight"}, weight);
+  add<float>(strokes, {"scale"}, scale);
+  addLists(strokes, "positions", positions);
+  addLists(strokes, "points", points);
+  return strokes;
+}
+
+Element blendElement(const Results& results) {
+  std::vector<std::uint16_t> source;
+  std::vector<Index> point, patch;
+  std::vector<vec2> texel;
+  std::vector<float> weight;
+  for (std::size_t s = 0; s < results.sources.size(); ++s) {
+    const ResultSource& from = *results.sources[s];
+    for (std::size_t b = 0, term = 0; b < from.blended.size(); ++b)
+      for (; term < from.blendEnd[b]; ++term) {
+        source.push_back(static_cast<std::uint16_t>(s));
+        point.push_back(from.blended[b]);
+        texel.push_back(from.blend[term].texel);
+        patch.push_back(from.blend[term].patch);
+        weight.push_back(from.blend[term].weight);
+      }
+  }
+  Element blends{.name = "blend"};
+  add<std::uint16_t>(blends, {"source"}, source);
+  add<std::uint32_t>(blends, {"point"}, point);
+  add<float>(blends, kTexel, texel);
+  add<std::uint32_t>(blends, {"patch"}, patch);
+  add<float>(blends, {"weight"}, weight);
+  return blends;
+}
+
+// ---- settings ------------------------------------------------------------------------------
+
+json optionsJson(const TextureOptions& options) {
+  json out = json::object();
+  for (const OptionRow& row : optionsTable()) out[std::string(row.name)] = optionText(options, row);
+  return out;
+}
+
+TextureOptions optionsOf(const json& from) {
+  TextureOptions options;
+  for (const OptionRow& row : optionsTable())
+    if (const auto at = from.find(std::string(row.name)); at != from.end())
+      setOption(options, row, at->get<std::string>());
+  return options;
+}
+
+json pathJson(const std::string& path, const fs::path& project) {
+  const fs::path full = fs::absolute(path);
+  const fs::path relative = full.lexically_relative(fs::absolute(project).parent_path());
+  return {{"path", full.string()}, {"relative", relative.string()}};
+}
+
+// Beside the project first: a folder that was moved or copied as a whole goes on working.
+std::vector<fs::path> placesOf(const json& from, const fs::path& project) {
+  std::vector<fs::path> places;
+  if (const std::string relative = from.at("relative"); !relative.empty())
+    places.push_back((fs::absolute(project).parent_path() / relative).lexically_normal());
+  if (const fs::path full = from.at("path").get<std::string>();
+      places.empty() || full != places.front())
+    places.push_back(full);
+  return places;
+}
+
+json swatchJson(const SwatchReference& reference, const fs::path& project) {
+  if (reference.path.empty()) return nullptr;
+  json out = pathJson(reference.path, project);
+  if (const auto& crop = reference.crop)
+    out["crop"] = {crop->x, crop->y, crop->width, crop->height};
+  return out;
+}
+
+SwatchReference swatchReference(const json& from, const fs::path& project) {
+  SwatchReference out;
+  if (from.is_null()) return out;
+  const std::vector<fs::path> places = placesOf(from, project);
+  const auto there = std::find_if(places.begin(), places.end(), [](const fs::path& place) {
+    std::error_code ignored;
+    return fs::exists(place, ignored);
+  });
+  out.path = (there == places.end() ? places.back() : *there).string();
+  if (const auto at = from.find("crop"); at != from.end())
+    out.crop = PixelRect{at->at(0), at->at(1), at->at(2), at->at(3)};
+  return out;
+}
+
+json regionJson(const Region& region, const fs::path& project) {
+  return {{"id", region.id},
+          {"name", region.name},
+          {"colour", {region.colour.x, region.colour.y, region.colour.z}},
+          {"visible", region.visible},
+          {"locked", region.locked},
+          {"swatch", swatchJson(region.reference, project)},
+          {"rotation", region.rotation},
+          {"borderWidth", region.borderWidth},
+          {"options", optionsJson(region.options)}};
+}
+
+Region regionOf(const json& from, const fs::path& project) {
+  Region region;
+  const unsigned id = from.at("id");
+  if (id >= kMostRegions) throw InvalidInput(fmt::format("a region has the id {}", id));
+  region.id = static_cast<RegionId>(id);
+  region.name = from.at("name");
+  for (int c = 0; c < 3; ++c) region.colour[c] = from.at("colour").at(static_cast<std::size_t>(c));
+  region.visible = from.at("visible");
+  region.locked = from.at("locked");
+  region.reference = swatchReference(from.at("swatch"), project);
+  region.rotation = from.at("rotation");
+  region.borderWidth = from.at("borderWidth");
+  region.options = optionsOf(from.at("options"));
+  return region;
+}
+
+json sourceJson(const ResultSource& source, const fs::path& project) {
+  const SynthesisStatistics& s = source.statistics;
+  return {
+      {"region", source.region},
+      {"swatch", swatchJson(source.reference, project)},
+      {"unit", source.unit},
+      {"partial", source.partial},
+      {"options", optionsJson(source.options)},
+      {"statistics", {s.patches, s.gapShare, s.matchedShare, s.meanDistortion, s.maxDistortion}}};
+}
+
+ResultSource sourceOf(const json& from, const fs::path& project) {
+  ResultSource source;
+  source.region = from.at("region");
+  source.reference = swatchReference(from.at("swatch"), project);
+  source.unit = from.at("unit");
+  source.partial = from.at("partial");
+  source.options = optionsOf(from.at("options"));
+  const json& s = from.at("statistics");
+  source.statistics = {s.at(0), s.at(1), s.at(2), s.at(3), s.at(4)};
+  return source;
+}
+
+json settingsOf(const Document& document, const fs::path& project) {
+  const OpenedScan& scan = *document.scan;
+  json from = pathJson(scan.path, project);
+  from["hash"] = fmt::format("{:016x}", scan.hash);
+  from["points"] = document.size();
+  from["neighbours"] = scan.neighbours;
+  from["samples"] = scan.load.samples;
+  from["seed"] = scan.load.seed;
+  json regions = json::array(), sources = json::array();
+  for (const Region& region : *document.regions) regions.push_back(regionJson(region, project));
+  for (const auto& source : document.results.sources)
+    sources.push_back(sourceJson(*source, project));
+  return {{"version", kProjectVersion}, {"scan", from}, {"regions", regions}, {"sources", sources}};
+}
+
+json readSettings(const RecordTable& table, const std::string& file) {
+  const auto mark = std::find(table.comments.begin(), table.comments.end(), kMark);
+  if (mark == table.comments.end())
+    throw InvalidInput(file + ": this PLY file is no Dapple project; open it as a scan");
+  std::string text;
+  std::for_each(mark + 1, table.comments.end(),
+                [&](const std::string& line) { text += line + "\n"; });
+  json settings = json::parse(text, nullptr, false);
+  if (!settings.is_object()) refuse(file, "its settings are no JSON");
+  const json version = settings.value("version", json());
+  if (!version.is_number_integer()) refuse(file, "it names no version");
+  if (version != kProjectVersion)
+    throw InvalidInput(
+        fmt::format("{}: this is a project of version {}, and this Dapple reads "
+                    "version {}; open it with the Dapple that wrote it",
+                    file, version.dump(), kProjectVersion));
+  return settings;
+}
+
+// ---- putting together ----------------------------------------------------------------------
+
+std::shared_ptr<const OpenedScan> reopened(const json& from, const OpenProject& command,
+                                           Monitor& monitor) {
+  std::vector<fs::path> places = placesOf(from, command.path);
+  if (!command.scan.empty()) places = {command.scan};
+  LoadOptions load{.samples = from.at("samples"), .seed = from.at("seed")};
+  const std::string hash = from.at("hash");
+  std::string seen;
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (!fs::exists(place, ignored)) continue;
+    auto scan = std::make_shared<OpenedScan>(openScan(place, load, from.at("neighbours"), monitor));
+    if (fmt::format("{:016x}", scan->hash) == hash) return scan;
+    seen = place.string();
+  }
+  if (!seen.empty())
+    throw InvalidInput(
+        fmt::format("{}: {} is not the scan that the project was made with (its "
+                    "bytes differ); open the project with the place of the right one",
+                    command.path, seen));
+  std::string tried;
+  for (const fs::path& place : places) tried += (tried.empty() ? "" : " nor at ") + place.string();
+  throw InvalidInput(
+      fmt::format("{}: its scan is not at {}; put it there, or open the project with "
+                  "the place where the scan is now",
+                  command.path, tried));
+}
+
+Column<Region> readRegions(const json& settings, const OpenProject& command,
+                           const CommandContext& context) {
+  std::vector<Region> regions;
+  std::array<bool, 256> taken{};
+  for (const json& from : settings.at("regions")) {
+    Region region = regionOf(from, command.path);
+    if (std::exchange(taken[region.id], true))
+      refuse(command.path, fmt::format("two regions have the id {}", region.id));
+    if (!region.reference.path.empty()) try {
+        DAPPLE_CHECK(static_cast<bool>(context.readImage), ==, true);
+        region.image = std::make_shared<const Image>(
+            cropped(context.readImage(region.reference.path), region.reference));
+        region.swatch = swatchFor(region);
+      } catch (const std::runtime_error& error) {
+        region.image = nullptr;
+        if (context.note)
+          context.note(fmt::format("The swatch of region '{}' is not available: {}", region.name,
+                                   error.what()));
+      }
+    regions.push_back(std::move(region));
+  }
+  if (!taken[kUnassigned]) refuse(command.path, "the region of all unassigned points is missing");
+  return std::make_shared<const std::vector<Region>>(std::move(regions));
+}
+
+void readStrokes(const Columns& columns, Document& document, const std::string& file) {
+  if (columns.count() == 0) return;
+  const auto region = columns.read<std::uint8_t, std::uint8_t>({"region"});
+  const auto weight = columns.read<float, float>({"weight"});
+  const auto scale = columns.read<float, float>({"scale"});
+  const auto positions = columns.lists<float, vec3>("positions");
+  const auto points = columns.lists<Index, Index>("points");
+  for (std::size_t s = 0; s < region->size(); ++s) {
+    Stroke stroke{.positions = positions[s], .points = points[s], .weight = (*weight)[s]};
+    if ((*scale)[s] != 0) stroke.scale = (*scale)[s];
+    try {
+      document = edited(document, AddStroke{.region = (*region)[s], .stroke = std::move(stroke)});
+    } catch (const InvalidInput& error) {
+      refuse(file, error.what());
+    }
+  }
+}
+
+void readBlends(const Columns& columns, std::vector<ResultSource>& sources, std::size_t points,
+                const std::string& file) {
+  if (columns.count() == 0) return;
+  const auto source = columns.read<std::uint16_t, std::uint16_t>({"source"});
+  const auto point = columns.read<Index, Index>({"point"});
+  const auto texel = columns.read<float, vec2>(kTexel);
+  const auto patch = columns.read<Index, Index>({"patch"});
+  const auto weight = columns.read<float, float>({"weight"});
+  for (std::size_t b = 0; b < source->size(); ++b) {
+    const Index i = (*point)[b];
+    if ((*source)[b] >= sources.size() || i >= points)
+      refuse(file, fmt::format("blend {} is of a point or source that does not exist", b));
+    ResultSource& to = sources[(*source)[b]];
+    if (!to.blended.empty() && i < to.blended.back())
+      refuse(file, fmt::format("blend {} is out of order", b));
+    if (to.blended.empty() || to.blended.back() != i)
+      to.blended.push_back(i), to.blendEnd.push_back(0);
+    to.blend.push_back({(*texel)[b], (*patch)[b], (*weight)[b]});
+    to.blendEnd.back() = to.blend.size();
+  }
+}
+
+// The swatch that a source was made from, when a region still has it.
+std::shared_ptr<const Swatch> swatchOf(const ResultSource& source,
+                                       const std::vector<Region>& regions) {
+  for (const Region& region : regions)
+    if (region.swatch && region.reference == source.reference &&
+        region.options.tileable == source.options.tileable)
+      return region.swatch;
+  return nullptr;
+}
+
+Results readResults(const json& settings, const RecordTable& table, const Document& document,
+                    const std::string& file) {
+  Results results;
+  const Columns points(file, table, "point");
+  if (!points.has("source")) return results;
+  std::vector<ResultSource> sources;
+  for (const json& from : settings.at("sources")) sources.push_back(sourceOf(from, file));
+  readBlends(Columns(file, table, "blend"), sources, points.count(), file);
+  for (ResultSource& source : sources) {
+    source.swatch = swatchOf(source, *document.regions);
+    results.sources.push_back(std::make_shared<const ResultSource>(std::move(source)));
+  }
+  results.source = points.read<std::uint16_t, std::uint16_t>({"source"});
+  for (const std::uint16_t s : *results.source)
+    if (s != kNoSource && s >= results.sources.size())
+      refuse(file, fmt::format("a point comes from source {} of {}", s, results.sources.size()));
+  results.texel = points.read<float, vec2>(kTexel);
+  results.frame = points.read<float, TangentFrame>(kFrame);
+  results.colour = points.read<float, vec3>(kColour);
+  results.state = points.read<std::uint8_t, PointState>({"state"});
+  for (const PointState state : *results.state)
+    if (state > PointState::Matched) refuse(file, "a point has a state that does not exist");
+  results.patch = points.read<Index, Index>({"patch"});
+  results.error = points.read<float, float>({"error"});
+  results.order = points.read<Index, Index>({"order"});
+  return results;
+}
+
+Document assembled(const json& settings, const RecordTable& table, const OpenProject& command,
+                   const CommandContext& context, Monitor& monitor) {
+  const std::string& file = command.path;
+  const Columns points(file, table, "point");
+  const std::size_t count = settings.at("scan").at("points");
+  if (points.count() != count)
+    refuse(file, fmt::format("it has {} points, but its settings say {}", points.count(), count));
+  Document document;
+  document.scan = reopened(settings.at("scan"), command, monitor);
+  if (document.size() != count)
+    throw InvalidInput(fmt::format("{}: it was made for {} points, but {} gives {}", file, count,
+                                   document.scan->path, document.size()));
+  document.regions = readRegions(settings, command, context);
+  document.labels = points.read<std::uint8_t, RegionId>({"region"});
+  for (const RegionId id : *document.labels)
+    if (!findRegion(document, id)) refuse(file, fmt::format("a point is of region {}", id));
+  if (points.has("selected")) {
+    const auto selected = points.read<std::uint8_t, std::uint8_t>({"selected"});
+    PointMask mask(count);
+    for (std::size_t i = 0; i < count; ++i)
+      if ((*selected)[i]) mask.add(i);
+    if (mask.count() > 0) document.selection = std::make_shared<const PointMask>(std::move(mask));
+  }
+  readStrokes(Columns(file, table, "stroke"), document, file);
+  document.results = readResults(settings, table, document, file);
+  return document;
+}
+
+std::uint64_t hashOf(const fs::path& path, Monitor& monitor) {
+  InputFile file(path, monitor);
+  std::uint64_t hash = mixBits(file.size());
+  while (file.remaining() > 0) {
+    const std::string_view block = file.peek(std::min(kHashBlock, file.remaining()));
+    const std::string_view bytes = block.substr(0, kHashBlock);
+    for (std::size_t at = 0; at < bytes.size(); at += 8) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, bytes.data() + at, std::min<std::size_t>(8, bytes.size() - at));
+      hash = mixBits(hash ^ word);
+    }
+    file.skip(bytes.size());
+  }
+  return hash;
+}
+
+}  // namespace
+
+OpenedScan openScan(const fs::path& path, const LoadOptions& load, int neighbours,
+                    Monitor& monitor) {
+  if (neighbours < kFewestNeighbours || neighbours > kMostNeighbours)
+    throw InvalidInput(fmt::format("neighbours: {} is outside {} to {}", neighbours,
+                                   kFewestNeighbours, kMostNeighbours));
+  OpenedScan scan{.path = fs::absolute(path).lexically_normal().string(),
+                  .load = load,
+                  .neighbours = neighbours};
+  scan.prepared = prepareScan(path, load, neighbours, monitor);
+  scan.hash = hashOf(path, monitor);
+  return scan;
+}
+
+void saveProject(const Document& document, const fs::path& path, Monitor& monitor) {
+  if (!document.scan) throw InvalidInput("there is nothing to save; open a scan first");
+  RecordTable table;
+  table.comments.push_back(kMark);
+  std::string text = settingsOf(document, path).dump(1, ' ', false, json::error_handler_t::replace);
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    table.comments.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  table.elements = {pointElement(document), strokeElement(document),
+                    blendElement(document.results)};
+  monitor.begin(Stage::Save, document.size());
+  OutputFile file(path);
+  writePly(file, table, false, monitor);
+  monitor.checkpoint();
+  file.commit();
+}
+
+Document loadProject(const OpenProject& command, const CommandContext& context, Monitor& monitor) {
+  monitor.begin(Stage::Load, 0);
+  InputFile file(command.path, monitor);
+  if (!looksLikePly(file.peek(std::min<std::size_t>(16, file.size()))))
+    throw InvalidInput(command.path + ": this is no Dapple project");
+  const RecordTable table = readPly(file, monitor);
+  const json settings = readSettings(table, command.path);
+  try {
+    return assembled(settings, table, command, context, monitor);
+  } catch (const json::exception& error) {
+    refuse(command.path, fmt::format("its settings lack something ({})", error.what()));
+  }
+}
+
+}  // namespace dapple

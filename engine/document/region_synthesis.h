@@ -1,0 +1,35 @@
+// Synthesis of one region and its way into the results.
+//
+// synthesize() colours all points that it is given. A region that is not the whole scan is
+// therefore taken out as a point set of its own, with neighbourhoods of its own (points across the
+// border would pull its pattern towards theirs), and its map is scattered back.
+#pragma once
+
+#include "document/apply.h"
+
+namespace dapple {
+
+struct RegionResult {
+  std::vector<Index> points;  // ascending; empty: all of the scan
+  SourceMap map;              // of these points
+  std::shared_ptr<const ResultSource> source;
+};
+
+// A region of fewer than 9 points is projected along the axes: there is nothing to match. Throws
+// InvalidInput when the region is locked, has no points or no swatch; Cancelled.
+RegionResult synthesizeRegion(const Document& document, const Region& region,
+                              const SynthesisWatch& watch, Monitor& monitor);
+
+// Regions one after another. When the monitor is stopped and `watch` keeps what is done, what has
+// been shown until then is the last result, and partial.
+std::vector<RegionResult> synthesizeRegions(const Document& document,
+                                            const std::vector<RegionId>& regions,
+                                            const SynthesisWatch& watch, Monitor& monitor);
+
+// The document with these results in place of what their points had.
+Document withResults(const Document& document, const std::vector<RegionResult>& results);
+
+// The document without the results of the region's points, or of all.
+Document withoutResults(const Document& document, std::optional<RegionId> region);
+
+}  // namespace dapple

@@ -1,0 +1,45 @@
+// Shortest ways along the links of a scan, in buckets of about equal length.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "regions/segmentation.h"
+
+namespace dapple {
+
+// Links of a point that segmentation follows: its nearest.
+std::size_t linksOf(const Neighborhoods& neighborhoods);
+
+// Shortest ways from several sources, label by label. Distances are the least over all ways, sums
+// taken from the source on: the same whatever the order of the search.
+class SurfaceWays {
+ public:
+  // `lengths` (n x linksOf): of each link, < 0: no link. Both must outlive this. Buckets are
+  // `step` wide (a speed, not a precision).
+  SurfaceWays(const Neighborhoods& neighborhoods, const std::vector<float>& lengths, float step);
+
+  // Points closer to `source` than to all before take `label`.
+  void add(Index source, Index label);
+  // Brings all distances up to date, none above `limit`.
+  void run(float limit, Monitor& monitor);
+
+  const std::vector<float>& distances() const { return distance_; }  // n, infinite: not reached
+  const std::vector<Index>& labels() const { return label_; }        // n, kNone: not reached
+
+ private:
+  void enter(Index i, float distance, Index label);
+  void drain(float limit, Monitor& monitor);
+  bool followLinksOfOthers(float limit, Monitor& monitor);
+
+  const Neighborhoods& neighborhoods_;
+  const std::vector<float>& lengths_;
+  const std::size_t links_;
+  const float step_;
+  std::vector<float> distance_;
+  std::vector<Index> label_;
+  std::vector<std::vector<Index>> buckets_;
+  std::size_t first_ = 0;  // bucket that may hold something
+};
+
+}  // namespace dapple
