@@ -96,7 +96,7 @@ TEST_CASE("regions that follow each other have colours apart, calmer than those 
       CAPTURE(i);
       CAPTURE(j);
       // Neighbours by a lot, and no two of three dozen the same.
-      CHECK(glm::distance(c[i], c[j]) > (i - j <= 2 ? 0.2f : 0.05f));
+      CHECK(glm::distance(c[i], c[j]) > (i - j <= 2 ? 0.15f : 0.05f));
     }
   for (Index i = 0; i < 36; ++i) {
     CHECK(saturation(c[i]) > 0.1f);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <string>
 
@@ -20,6 +21,7 @@ constexpr int kLargestSide = 16384;
 // usual packings reach (deflate 1032, LZW 2730), before memory is taken for it.
 constexpr std::uint64_t kTrustedBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kBestRatio = 4096;
+constexpr char kGifEnd = ';';
 constexpr const char* kKnown = "Use a PNG, JPEG or TIFF image.";
 
 struct Opened {
@@ -221,6 +223,13 @@ void AnimationWriter::add(const Image& picture) {
 void AnimationWriter::finish() {
   DAPPLE_CHECK(file_->written, ==, file_->pictures);
   if (!file_->output->close()) file_->fail();
+  // OpenImageIO's GIF writer does not look whether its bytes were taken: the last of them tells.
+  const std::filesystem::path& bytes = file_->bytes.temporary();
+  if (std::filesystem::is_regular_file(bytes)) {
+    std::ifstream written(bytes, std::ios::binary);
+    written.seekg(-1, std::ios::end);
+    if (written.get() != kGifEnd) file_->fail();
+  }
   file_->bytes.commit();
 }
 
