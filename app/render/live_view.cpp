@@ -79,7 +79,9 @@ LiveView::Progress LiveView::frame(const Camera& camera, int width, int height,
       Clock::now() + std::chrono::duration_cast<Clock::duration>(budget);
   Shown wanted{camera, width, height, options};
   wanted.options.count = kAllPoints, wanted.options.enlarge = 1;
-  if (stale_ || wanted != shown_) {
+  const bool other = stale_ || wanted != shown_;
+  if (other || progress_ != Progress::Complete) ++version_;
+  if (other) {
     progress_ = drawWhole(wanted, until, budget);
     shown_ = wanted;
     stale_ = false;

@@ -46,6 +46,8 @@ class LiveView {
 
   // With the points' ids and depths.
   const Raster& picture() const { return raster_; }
+  // Another one whenever the picture has changed.
+  std::uint64_t version() const { return version_; }
   // By the last whole picture: all, or what its level of detail has.
   std::size_t pointsDrawn() const { return pointsDrawn_; }
 
@@ -68,6 +70,7 @@ class LiveView {
   Raster raster_{.trace = true};
   Shown shown_;
   std::size_t pointsDrawn_ = 0;
+  std::uint64_t version_ = 0;
   bool stale_ = true;     // the points or colours have changed
   bool started_ = false;  // the pacer knows the levels
   bool begun_ = false;    // the complete picture is being drawn

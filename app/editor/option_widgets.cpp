@@ -1,0 +1,106 @@
+#include "app/editor/option_widgets.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <string>
+#include <vector>
+
+#include "app/gui/item_marks.h"
+#include "app/gui/theme.h"
+#include "base/errors.h"
+
+namespace dapple {
+namespace {
+
+std::vector<std::string> choicesOf(const OptionRow& row) {
+  std::vector<std::string> names{""};
+  for (const char c : row.choices)
+    if (c == '|')
+      names.emplace_back();
+    else
+      names.back() += c;
+  return names;
+}
+
+// What a widget of the option's kind makes of it.
+struct Widget {
+  TextureOptions& options;
+  const OptionRow& row;
+  const char* id;
+
+  bool operator()(bool TextureOptions::*field) { return ImGui::Checkbox(id, &(options.*field)); }
+  bool operator()(int TextureOptions::*field) {
+    const int low = static_cast<int>(row.low), high = static_cast<int>(row.high);
+    return ImGui::SliderInt(id, &(options.*field), low, high, "%d", ImGuiSliderFlags_AlwaysClamp);
+  }
+  bool operator()(double TextureOptions::*field) {
+    return ImGui::SliderScalar(
+        id, ImGuiDataType_Double, &(options.*field), &row.low, &row.high, "%.3g",
+        ImGuiSliderFlags_AlwaysClamp |
+            (row.low > 0 && row.high > 20 * row.low ? ImGuiSliderFlags_Logarithmic : 0));
+  }
+  bool operator()(std::uint64_t TextureOptions::*field) {
+    return ImGui::InputScalar(id, ImGuiDataType_U64, &(options.*field));
+  }
+  bool operator()(vec3 TextureOptions::*field) {
+    return ImGui::InputFloat3(id, &(options.*field).x, "%.2g");
+  }
+  template <class Enum>
+  bool operator()(Enum TextureOptions::*field) {
+    const std::vector<std::string> names = choicesOf(row);
+    const auto current = static_cast<std::size_t>(options.*field);
+    if (!ImGui::BeginCombo(id, names[current].c_str())) return false;
+    bool changed = false;
+    for (std::size_t k = 0; k < names.size(); ++k)
+      if (ImGui::Selectable(names[k].c_str(), k == current)) {
+        options.*field = static_cast<Enum>(k);
+        changed = k != current;
+      }
+    ImGui::EndCombo();
+    return changed;
+  }
+};
+
+bool optionWidget(TextureOptions& options, const OptionRow& row) {
+  const std::string name(row.name), id = "##" + name;
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(name.c_str());
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s (%s)", std::string(row.help).c_str(), optionRange(row).c_str());
+  ImGui::SameLine(theme::px(110));
+  ImGui::SetNextItemWidth(-1);
+  bool changed = std::visit(Widget{options, row, id.c_str()}, row.field);
+  markItem("option." + name);
+  const TextureOptions standard;
+  if (optionText(options, row) != optionText(standard, row) &&
+      ImGui::BeginPopupContextItem(("reset " + name).c_str())) {
+    if (ImGui::MenuItem(("Reset to " + optionText(standard, row)).c_str())) {
+      setOption(options, row, optionText(standard, row));
+      changed = true;
+    }
+    ImGui::EndPopup();
+  }
+  return changed;
+}
+
+}  // namespace
+
+bool optionWidgets(TextureOptions& options) {
+  TextureOptions edited = options;
+  bool changed = false;
+  for (const OptionRow& row : optionsTable()) {
+    if (row.name == "threads") continue;  // the engine's
+    changed |= optionWidget(edited, row);
+  }
+  if (!changed) return false;
+  try {
+    validate(edited);
+  } catch (const InvalidInput&) {
+    return false;  // half typed
+  }
+  options = edited;
+  return true;
+}
+
+}  // namespace dapple

@@ -1,0 +1,12 @@
+// Widgets for the options table: what the command line can be told, the mouse can set.
+#pragma once
+
+#include "document/options_table.h"
+
+namespace dapple {
+
+// A row for every option of a synthesis, with its range, help and a way back to the default. True:
+// one was changed, and is in range.
+bool optionWidgets(TextureOptions& options);
+
+}  // namespace dapple

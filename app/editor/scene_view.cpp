@@ -1,0 +1,190 @@
+#include "app/editor/scene_view.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "app/render/splats.h"
+
+namespace dapple {
+namespace {
+
+constexpr vec3 kSelected{1.0f, 0.62f, 0.22f};
+constexpr float kTint = 0.45f;  // of the selection's colour over the point's own
+
+// One region's points as the list shows them.
+std::vector<vec3> regionColours(const Document& document) {
+  std::array<vec3, kMostRegions + 1> colours;
+  colours.fill(kBare);
+  for (const Region& region : *document.regions) colours[region.id] = region.colour;
+  std::vector<vec3> out(document.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = colours[(*document.labels)[i]];
+  return out;
+}
+
+template <class T>
+std::span<const T> spanOf(const Column<T>& column) {
+  return column ? std::span<const T>(*column) : std::span<const T>();
+}
+
+}  // namespace
+
+// What is drawn of one scan, whatever its colours.
+struct SceneView::Scene {
+  std::shared_ptr<const OpenedScan> scan;
+  std::vector<float> radii;
+  Bounds bounds;
+  float typicalRadius = 0;
+
+  const PointSet& points() const { return scan->prepared.scan.points; }
+};
+
+SceneView::SceneView(Workers& workers) : workers_(workers), live_(workers), picker_(workers) {}
+SceneView::~SceneView() = default;
+
+void SceneView::takeScene() {
+  if (!preparing_.valid() ||
+      preparing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return;
+  const bool first = !scene_;
+  scene_ = preparing_.get();
+  const PointSet& points = scene_->points();
+  colours_.assign(points.size(), kBare);
+  live_.update({points.positions, points.normals, colours_, scene_->radii});
+  picker_.update(points.positions, points.normals, scene_->radii);
+  stale_ = true;
+  pending_.clear();
+  if (first) camera_.setView("front");
+  frameAll();
+}
+
+void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSettings& settings) {
+  const auto changed = [&](Part part) {
+    return !snapshot_ || snapshot_->of(part) != snapshot->of(part);
+  };
+  stale_ |= !(settings == settings_) || changed(Part::Colour) || changed(Part::Labels) ||
+            changed(Part::Selection) || changed(Part::Regions) || changed(Part::State) ||
+            changed(Part::Preview);
+  snapshot_ = std::move(snapshot);
+  settings_ = settings;
+  const std::shared_ptr<const OpenedScan>& scan = snapshot_->document.scan;
+  if (!scan) {
+    scene_ = nullptr, wanted_ = nullptr;
+    return;
+  }
+  if (scan != wanted_ && !preparing_.valid()) {
+    wanted_ = scan;
+    preparing_ = std::async(std::launch::async, [scan] {
+      auto scene = std::make_shared<Scene>();
+      scene->scan = scan;
+      scene->radii = splatRadii(scan->prepared.neighborhoods);
+      scene->bounds = boundsOf(scene->points().positions);
+      scene->typicalRadius = dapple::splatRadius(scan->prepared.spacing);
+      return scene;
+    });
+  }
+  takeScene();
+  if (scene_ && scene_->scan == scan && stale_) recolour();
+}
+
+void SceneView::setPending(const std::vector<Index>& points) {
+  if (points == pending_) return;
+  pending_ = points;
+  stale_ = true;
+}
+
+void SceneView::recolour() {
+  stale_ = false;
+  const Document& document = snapshot_->document;
+  const Results& results = document.results;
+  const bool preview = snapshot_->previewColour != nullptr;
+  const std::vector<vec3> shown = preview ? *snapshot_->previewColour : shownColours(document);
+  std::vector<Index> patches;
+  const ViewColumns columns{
+      .colours = shown,
+      .normals = document.points().normals,
+      .state = preview ? spanOf(snapshot_->previewState) : spanOf(results.state),
+      .patch = spanOf(results.patch),
+      .error = spanOf(results.error),
+      .order = spanOf(results.order),
+      .texel = spanOf(results.texel)};
+  missing_.clear();
+  legend_.reset();
+  if (settings_.show == View::Regions) {
+    colours_ = regionColours(document);
+  } else {
+    try {
+      ViewColours view = viewColours(settings_.show, columns);
+      colours_ = std::move(view.colours), legend_ = view.legend;
+    } catch (const InvalidInput& error) {
+      missing_ = "Nothing to show here yet: synthesize a region first.";
+      colours_ = shown;
+    }
+  }
+  const auto tint = [&](std::size_t i) { colours_[i] += kTint * (kSelected - colours_[i]); };
+  if (const PointMask* selection = document.selection.get()) {
+    for (std::size_t i = 0; i < colours_.size(); ++i)
+      if (selection->has(i)) tint(i);
+  }
+  for (const Index i : pending_) tint(i);
+  live_.recolour(colours_);
+}
+
+void SceneView::frameAll() {
+  if (scene_) camera_.frame(scene_->points().positions, size_);
+}
+
+void SceneView::frameSelection() {
+  if (!scene_) return;
+  const PointMask* selection = snapshot_->document.selection.get();
+  if (!selection || selection->count() == 0) {
+    frameAll();
+    return;
+  }
+  std::vector<vec3> positions;
+  for (const Index i : selection->points()) positions.push_back(scene_->points().positions[i]);
+  camera_.frame(positions, size_);
+}
+
+void SceneView::upload() {
+  const Raster& raster = live_.picture();
+  if (!texture_ || textureWidth_ != raster.width || textureHeight_ != raster.height) {
+    textureWidth_ = raster.width, textureHeight_ = raster.height;
+    texture_ = makeTexture(GL_RGBA8, textureWidth_, textureHeight_);
+  }
+  glBindTexture(GL_TEXTURE_2D, texture_->id());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, textureWidth_, textureHeight_, GL_RGBA, GL_UNSIGNED_BYTE,
+                  raster.pixels.data());
+  glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+bool SceneView::draw(Viewport size, DetailPacer::Milliseconds budget) {
+  const bool resized = size.width != size_.width || size.height != size_.height;
+  const bool unseen = size_.width <= 1;
+  size_ = size;
+  if (!scene_) return loading();
+  if (resized && unseen) frameAll();
+  const SplatOptions options{
+      .shading = settings_.show == View::Colour || settings_.show == View::Regions
+                     ? settings_.shading
+                     : Shading::Headlight,
+      .background = settings_.background};
+  const bool complete = live_.frame(pictureCamera(), size.width, size.height, options, budget) ==
+                        LiveView::Progress::Complete;
+  if (live_.version() != uploaded_) upload();
+  uploaded_ = live_.version();
+  return !complete || loading();
+}
+
+PickView SceneView::pickView(const Camera& camera, bool through) const {
+  return {camera, picture().width, picture().height, through ? nullptr : &picture()};
+}
+
+float SceneView::splatRadius() const {
+  return scene_ ? scene_->typicalRadius : 0;
+}
+
+Bounds SceneView::bounds() const {
+  return scene_ ? scene_->bounds : Bounds{};
+}
+
+}  // namespace dapple

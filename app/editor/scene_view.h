@@ -1,0 +1,90 @@
+// The 3D view of the window: what a snapshot of the document shows, from where the user looks.
+#pragma once
+
+#include <future>
+#include <memory>
+#include <optional>
+
+#include "app/render/gl_objects.h"
+#include "app/render/live_view.h"
+#include "app/render/orbit_camera.h"
+#include "app/render/picking.h"
+#include "app/render/views.h"
+#include "document/engine.h"
+
+namespace dapple {
+
+struct ViewSettings {
+  View show = View::Colour;
+  Shading shading = Shading::Headlight;
+  bool outlines = true, strokes = true, directions = false;
+  vec3 background{0.071f, 0.075f, 0.082f};
+  bool operator==(const ViewSettings&) const = default;
+};
+
+// Needs the window's OpenGL context for its whole life.
+class SceneView {
+ public:
+  explicit SceneView(Workers& workers);
+  ~SceneView();
+
+  // Makes the picture that of the snapshot: takes what has changed since the last call. What is to
+  // be drawn of a scan that was just opened is made ready on another thread: until then there is
+  // nothing to see (loading()).
+  void follow(std::shared_ptr<const Snapshot> snapshot, const ViewSettings& settings);
+  bool loading() const { return preparing_.valid(); }
+  bool empty() const { return !scene_; }
+
+  // Points that a tool is about to select, shown as selected. Empty: none.
+  void setPending(const std::vector<Index>& points);
+
+  // Draws the picture of this size as far as the budget allows. False: there is nothing left to do.
+  bool draw(Viewport size, DetailPacer::Milliseconds budget);
+
+  OrbitCamera& camera() { return camera_; }
+  // In the direction of the camera, all of the scan or what is selected.
+  void frameAll();
+  void frameSelection();
+  // Of the last picture.
+  Camera pictureCamera() const { return camera_.camera(bounds()); }
+  const Raster& picture() const { return live_.picture(); }
+  GLuint texture() const { return texture_ ? texture_->id() : 0; }
+  const std::optional<HeatRange>& legend() const { return legend_; }
+  // Why the view that was asked for cannot be shown; empty: it is.
+  const std::string& missing() const { return missing_; }
+
+  const Picker& picker() const { return picker_; }
+  // What of the picture can be picked; `through`: also what is hidden.
+  PickView pickView(const Camera& camera, bool through) const;
+  // Of the typical splat, local units.
+  float splatRadius() const;
+  Bounds bounds() const;
+  const Snapshot& snapshot() const { return *snapshot_; }
+
+ private:
+  struct Scene;
+  void takeScene();
+  void recolour();
+  void upload();
+
+  Workers& workers_;
+  std::shared_ptr<const Snapshot> snapshot_;
+  ViewSettings settings_;
+  std::future<std::shared_ptr<Scene>> preparing_;
+  std::shared_ptr<const OpenedScan> wanted_;
+  std::shared_ptr<Scene> scene_;
+  LiveView live_;
+  Picker picker_;
+  OrbitCamera camera_;
+  Viewport size_;
+  std::optional<GlTexture> texture_;
+  int textureWidth_ = 0, textureHeight_ = 0;
+  std::uint64_t uploaded_ = 0;  // version of the picture
+  std::vector<vec3> colours_;
+  std::vector<Index> pending_;
+  std::optional<HeatRange> legend_;
+  std::string missing_;
+  bool stale_ = false;  // the colours are to be made again
+};
+
+}  // namespace dapple

@@ -1,0 +1,94 @@
+#include "app/editor/swatch_library.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+
+namespace dapple {
+namespace {
+
+// The mean of the pixels under each of the small one's, red, green, blue.
+Image shrunk(const Image& image, int side) {
+  const float factor = std::max(
+      1.f, static_cast<float>(std::max(image.width, image.height)) / static_cast<float>(side));
+  Image out{std::max(1, static_cast<int>(static_cast<float>(image.width) / factor)),
+            std::max(1, static_cast<int>(static_cast<float>(image.height) / factor)),
+            3,
+            {}};
+  out.pixels.resize(std::size_t{3} * out.width * out.height);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const int left = x * image.width / out.width, right = (x + 1) * image.width / out.width;
+      const int top = y * image.height / out.height, low = (y + 1) * image.height / out.height;
+      vec3 sum(0);
+      for (int v = top; v < low; ++v)
+        for (int u = left; u < right; ++u)
+          for (int c = 0; c < 3; ++c) sum[c] += image.at(u, v, image.channels < 3 ? 0 : c);
+      for (int c = 0; c < 3; ++c)
+        out.at(x, y, c) = sum[c] / static_cast<float>(std::max(1, (right - left) * (low - top)));
+    }
+  return out;
+}
+
+GlTexture textureOf(const Image& image) {
+  std::vector<std::uint8_t> bytes;
+  for (const float v : image.pixels)
+    bytes.push_back(static_cast<std::uint8_t>(std::clamp(v, 0.f, 1.f) * 255 + 0.5f));
+  GlTexture texture = makeTexture(GL_RGB8, image.width, image.height);
+  glBindTexture(GL_TEXTURE_2D, texture.id());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE,
+                  bytes.data());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  return texture;
+}
+
+}  // namespace
+
+void SwatchLibrary::read(std::vector<std::filesystem::path> files) {
+  reading_.push_back(std::async(std::launch::async, [files = std::move(files), read = read_] {
+    std::vector<Read> out;
+    for (const std::filesystem::path& file : files) {
+      try {
+        out.push_back({file, shrunk(read(file), kThumbnail)});
+      } catch (const std::exception&) {
+        // Not an image: a folder may hold anything.
+      }
+    }
+    return out;
+  }));
+}
+
+void SwatchLibrary::addFolder(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& file : std::filesystem::directory_iterator(folder, error))
+    if (file.is_regular_file(error)) files.push_back(file.path());
+  std::sort(files.begin(), files.end());
+  read(std::move(files));
+}
+
+void SwatchLibrary::add(const std::filesystem::path& file) {
+  if (!find(file)) read({file});
+}
+
+const std::vector<SwatchLibrary::Entry>& SwatchLibrary::entries() {
+  for (auto& reading : reading_) {
+    if (reading.wait_for(std::chrono::seconds(0)) != std::future_status::ready) continue;
+    for (Read& file : reading.get())
+      entries_.push_back({file.path, file.image.width, file.image.height, textureOf(file.image)});
+  }
+  std::erase_if(reading_, [](const auto& reading) { return !reading.valid(); });
+  return entries_;
+}
+
+const SwatchLibrary::Entry* SwatchLibrary::find(const std::filesystem::path& path) const {
+  for (const Entry& entry : entries_)
+    if (entry.path == path) return &entry;
+  return nullptr;
+}
+
+}  // namespace dapple
