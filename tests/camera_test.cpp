@@ -44,7 +44,7 @@ TEST_CASE("every standard view holds the bounds with a margin of 4 % and no more
                            {{0, 0, 0}, {1.5f, 0.1f, 0.4f}},
                            {{10, -3, 7}, {10.2f, -1, 7.1f}},
                            {{-0.1f, -0.2f, -5}, {0.3f, 0.1f, 5}}};
-  for (const char* name : {"front", "back", "left", "right", "top", "iso"})
+  for (const char* name : {"front", "back", "left", "right", "top", "bottom", "iso"})
     for (const Bounds& b : shapes)
       for (float aspect : {16.f / 9, 1.f, 0.5f}) {
         CAPTURE(std::string(name));
@@ -86,6 +86,8 @@ TEST_CASE("the standard views look from where their names say") {
   CHECK(standardView("left", cube, 1).eye.x < -1);
   CHECK(standardView("top", cube, 1).eye.y > 1);
   CHECK(projected(standardView("top", cube, 1), vec3(0, 0, 0.5f), 1).y < -0.1f);
+  CHECK(standardView("bottom", cube, 1).eye.y < -1);
+  CHECK(projected(standardView("bottom", cube, 1), vec3(0, 0, 0.5f), 1).y > 0.1f);
   CHECK(glm::all(glm::greaterThan(standardView("iso", cube, 1).eye, vec3(1))));
 }
 
@@ -95,7 +97,8 @@ TEST_CASE("an unknown view is refused with the list of views") {
     FAIL("no exception");
   } catch (const InvalidInput& e) {
     CHECK(std::string(e.what()).find("'frnt'") != std::string::npos);
-    CHECK(std::string(e.what()).find("front, back, left, right, top, iso") != std::string::npos);
+    CHECK(std::string(e.what()).find("front, back, left, right, top, bottom, iso") !=
+          std::string::npos);
   }
 }
 

@@ -368,14 +368,23 @@ TEST_CASE("options that make no sense are refused") {
   const TemporaryFolder folder;
   const std::string scan = folder.write("in.ply", plyText(spherePoints(kPoints, 1)));
   const std::string out = folder / "out.ply";
-  const std::vector<std::array<std::string, 3>> bad{
-      {"--neighbours", "3", "8 to 128"},    {"--neighbours", "many", "8 to 128"},
-      {"--method", "magic", "hybrid|"},     {"--threads", "-1", "0 to 256"},
-      {"--up", "0,0,0", "not all 0"},       {"--scale", "nan", "0.01 to 100"},
-      {"--view", "inside", "front"},        {"--size", "0x7", "WIDTHxHEIGHT"},
-      {"--progress", "dots", "bar|lines"},  {"--tileable", "perhaps", "auto|yes|no"},
-      {"--texels", "some", "auto|on|off"},  {"--show", "feelings", "colour"},
-      {"--renderer", "ray", "auto|gl|cpu"}, {"--sparkle", "9", "--help"}};
+  const std::vector<std::array<std::string, 3>> bad{{"--neighbours", "3", "8 to 128"},
+                                                    {"--neighbours", "many", "8 to 128"},
+                                                    {"--method", "magic", "hybrid|"},
+                                                    {"--threads", "-1", "0 to 256"},
+                                                    {"--up", "0,0,0", "not all 0"},
+                                                    {"--scale", "nan", "0.01 to 100"},
+                                                    {"--view", "inside", "front"},
+                                                    {"--size", "0x7", "WIDTHxHEIGHT"},
+                                                    {"--progress", "dots", "bar|lines"},
+                                                    {"--tileable", "perhaps", "auto|yes|no"},
+                                                    {"--texels", "some", "auto|on|off"},
+                                                    {"--show", "feelings", "colour"},
+                                                    {"--shading", "sunny", "headlight"},
+                                                    {"--background", "#12345g", "#rrggbb"},
+                                                    {"--background", "1,2,256", "0 to 255"},
+                                                    {"--renderer", "ray", "auto|gl|cpu"},
+                                                    {"--sparkle", "9", "--help"}};
   for (const auto& [option, value, remedy] : bad) {
     CAPTURE(option);
     Arguments arguments = textureArguments(scan, out, {option, value});
@@ -521,6 +530,23 @@ TEST_CASE("a turntable is as many pictures, half a turn apart front and back") {
                "720");
 }
 
+TEST_CASE("a turntable is one file where the format can be animated") {
+  const TemporaryFolder folder;
+  const std::string scan = asset("scans/creature.ply");
+  const auto before = folder.names();
+  const Run run = dapple({"render", scan, "-o", folder / "turn.gif", "--turntable", "5", "--fps",
+                          "20", "--size", "80x60", "--quiet"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  CHECK(folder.names().size() == before.size() + 1);
+  const std::string bytes = bytesOf(folder / "turn.gif"), control("\x21\xf9\x04", 3);
+  int pictures = 0;
+  for (std::size_t at = bytes.find(control); at != bytes.npos; at = bytes.find(control, at + 1))
+    ++pictures;
+  CHECK(pictures == 5);
+  checkRefused(folder, {"render", scan, "-o", folder / "p.gif", "--turntable", "5", "--fps", "0"},
+               "--fps", "1");
+}
+
 TEST_CASE("every view looks as it did, drawn by OpenGL and by the processor") {
   const TemporaryFolder folder;
   const std::string scan = folder / "out.ply", picture = folder / "view.png";
@@ -543,6 +569,90 @@ TEST_CASE("every view looks as it did, drawn by OpenGL and by the processor") {
     REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
     checkGolden(picture, "orthographic");
   }
+}
+
+// The scan of a textured ascii PLY in three regions and what is in none, by height and side.
+std::string withRegions(const PlyText& ply) {
+  std::string text;
+  std::size_t points = 0;
+  bool inside = false;
+  for (const std::string& line : ply.header) {
+    if (line.starts_with("element ") || line == "end_header") {
+      if (inside) text += "property int region\n";
+      inside = line.starts_with("element vertex ");
+      if (inside) points = std::stoul(wordsOf(line)[2]);
+    }
+    text += line + "\n";
+  }
+  std::vector<std::array<double, 2>> places;
+  double low = 1e9, high = -1e9, left = 1e9, right = -1e9;
+  for (std::size_t i = 0; i < points; ++i) {
+    const auto words = wordsOf(ply.body[i]);
+    places.push_back({std::stod(words[0]), std::stod(words[1])});
+    left = std::min(left, places[i][0]), right = std::max(right, places[i][0]);
+    low = std::min(low, places[i][1]), high = std::max(high, places[i][1]);
+  }
+  for (std::size_t i = 0; i < points; ++i) {
+    const double across = (places[i][0] - left) / (right - left),
+                 up = (places[i][1] - low) / (high - low);
+    const int region = up > 0.65 ? 0 : up < 0.2 ? -1 : across > 0.5 ? 1 : 2;
+    text += fmt::format("{} {}\n", ply.body[i], region);
+  }
+  for (std::size_t i = points; i < ply.body.size(); ++i) text += ply.body[i] + "\n";
+  return text;
+}
+
+TEST_CASE("regions, coordinates, light, background and overlays look as they did") {
+  const TemporaryFolder folder;
+  const std::string picture = folder / "view.png";
+  const Run run =
+      dapple({"texture", asset("scans/creature.ply"), "--swatch", swatch(), "--method", "patches",
+              "--source-map", "--ascii", "-o", folder / "out.ply", "--quiet"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  const std::string scan =
+      folder.write("regions.ply", withRegions(readPlyText(folder / "out.ply")));
+  const std::vector<std::pair<std::string, Arguments>> cases{
+      {"view_regions", {"--show", "regions"}},
+      {"view_coordinates", {"--show", "coordinates", "--swatch", swatch()}},
+      {"shading_headlight", {"--shading"}},
+      {"background_black", {"--show", "distortion", "--background", "black"}},
+      {"overlay_regions", {"--overlay", "regions"}},
+      {"overlay_directions", {"--overlay", "directions"}},
+      {"view_bottom", {"--view", "bottom", "--background", "#203050"}}};
+  for (const auto& [name, more] : cases)
+    for (const char* renderer : {"gl", "cpu"}) {
+      CAPTURE(renderer);
+      Arguments all{"render", scan, "-o", picture, "--size", "240x200", "--renderer", renderer};
+      if (name != "view_bottom") all = all + Arguments{"--view", "iso"};
+      const Run drawn = dapple(all + more + Arguments{"--quiet"});
+      REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
+      checkGolden(picture, name);
+    }
+  // Without the columns that they need.
+  const std::string plain = asset("scans/creature.ply");
+  for (const std::string overlay : {"directions", "regions"})
+    checkRefused(folder, {"render", plain, "-o", folder / "p.png", "--overlay", overlay},
+                 "--overlay " + overlay, overlay == "directions" ? "--source-map" : "'region'");
+  checkRefused(folder, {"render", plain, "-o", folder / "p.png", "--show", "regions"}, "regions",
+               "'region'");
+  checkRefused(folder, {"render", plain, "-o", folder / "p.png", "--overlay", "stars"}, "stars",
+               "directions");
+}
+
+TEST_CASE("--shading takes a word after it or none, wherever the scan stands") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.xyz", xyzText(spherePoints(kPoints, 1)));
+  const auto pixels = [&](const Arguments& arguments) {
+    const Run run = dapple(Arguments{"render"} + arguments +
+                           Arguments{"-o", folder / "p.png", "--size", "60x60", "--quiet"});
+    REQUIRE_MESSAGE(run.code == 0, run.err);
+    return readImage(folder / "p.png").pixels;
+  };
+  const auto lit = pixels({scan, "--shading", "headlight"});
+  CHECK(pixels({"--shading", scan}) == lit);
+  CHECK(pixels({scan, "--shading"}) == lit);
+  CHECK(pixels({scan}) == lit);  // without colours: flat grey would show nothing
+  CHECK(pixels({scan, "--shading", "off"}) != lit);
 }
 
 }  // namespace

@@ -242,3 +242,46 @@ TEST_CASE("a failed write says why and leaves the old image alone") {
   CHECK(readBytes(folder.path / "a.png") == before);
   CHECK(folder.files() == 1);
 }
+
+TEST_CASE("an animation holds its pictures and their rate, and appears when it is whole") {
+  const Folder folder;
+  const fs::path path = folder.path / "turn.gif";
+  CHECK(isAnimation(path));
+  CHECK(isAnimation("TURN.GIF"));
+  CHECK(!isAnimation("turn.png"));
+  const auto picture = [](float grey) {
+    Image image{.width = 20, .height = 10, .channels = 4};
+    for (int i = 0; i < 200; ++i)
+      image.pixels.insert(image.pixels.end(), {1 - grey, grey, 0.5f, 1});
+    return image;
+  };
+  {
+    AnimationWriter unfinished(path, 3, 10);
+    unfinished.add(picture(0));
+    CHECK(!fs::exists(path));
+  }
+  CHECK(folder.files() == 0);
+
+  AnimationWriter writer(path, 3, 10);
+  for (const float grey : {0.f, 0.5f, 1.f}) writer.add(picture(grey));
+  CHECK(!fs::exists(path));
+  writer.finish();
+  CHECK(folder.files() == 1);
+  const std::string bytes = readBytes(path);
+  CHECK(bytes.starts_with("GIF89a"));
+  CHECK(bytes.find("NETSCAPE2.0") != bytes.npos);  // it repeats
+  int pictures = 0;
+  const std::string control("\x21\xf9\x04", 3);
+  for (std::size_t at = bytes.find(control); at != bytes.npos; at = bytes.find(control, at + 1)) {
+    ++pictures;
+    CHECK(static_cast<unsigned char>(bytes[at + 4]) == 10);  // hundredths of a second
+    CHECK(bytes[at + 5] == 0);
+  }
+  CHECK(pictures == 3);
+  const Image first = readImage(path);
+  CHECK(first.width == 20);
+  CHECK(first.height == 10);
+  CHECK(first.at(3, 3, 0) == doctest::Approx(1).epsilon(0.03));
+  CHECK(first.at(3, 3, 1) == doctest::Approx(0).scale(1).epsilon(0.03));
+  CHECK_THROWS_AS(AnimationWriter(folder.path / "nowhere" / "a.gif", 2, 10), IoError);
+}

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -30,6 +31,13 @@ TEST_CASE("every view has its name and unknown names are refused") {
   CHECK(viewNamed("patch") == View::Patch);
   CHECK(viewNamed("distortion") == View::Distortion);
   CHECK(viewNamed("order") == View::Order);
+  CHECK(viewNamed("regions") == View::Regions);
+  CHECK(viewNamed("coordinates") == View::Coordinates);
+  CHECK(viewNames("|") == "colour|normals|state|patch|distortion|order|regions|coordinates");
+  for (const NamedView& v : allViews()) {
+    CHECK(viewNamed(v.name) == v.view);
+    CHECK(!v.shows.empty());
+  }
   CHECK_THROWS_AS(viewNamed("color"), InvalidInput);
 }
 
@@ -43,9 +51,7 @@ TEST_CASE("colours are shown as they are and normals as half of themselves aroun
 }
 
 TEST_CASE("a column that is not known is refused by the view's name") {
-  for (View view :
-       {View::Colour, View::Normals, View::State, View::Patch, View::Distortion, View::Order})
-    CHECK_THROWS_AS(viewColours(view, {}), InvalidInput);
+  for (const NamedView& v : allViews()) CHECK_THROWS_AS(viewColours(v.view, {}), InvalidInput);
 }
 
 TEST_CASE("the four states differ in hue and, but for patch and matched, in more than red-green") {
@@ -75,6 +81,49 @@ TEST_CASE("neighbouring patches get clearly different colours and no patch is gr
   }
   CHECK(isGrey(c[200]));
   for (std::size_t i = 0; i < 200; ++i) CHECK(!isGrey(c[i]));
+}
+
+TEST_CASE("regions that follow each other have colours apart, calmer than those of patches") {
+  std::vector<Index> column;
+  for (Index i = 0; i < 36; ++i) column.push_back(i);
+  column.push_back(kNone);
+  const std::vector<vec3> c = viewColours(View::Regions, {.region = column}).colours;
+  const auto saturation = [](const vec3& v) {
+    return std::max({v.r, v.g, v.b}) - std::min({v.r, v.g, v.b});
+  };
+  for (Index i = 0; i < 36; ++i)
+    for (Index j = 0; j < i; ++j) {
+      CAPTURE(i);
+      CAPTURE(j);
+      // Neighbours by a lot, and no two of three dozen the same.
+      CHECK(glm::distance(c[i], c[j]) > (i - j <= 2 ? 0.15f : 0.05f));
+    }
+  for (Index i = 0; i < 36; ++i) {
+    CHECK(saturation(c[i]) > 0.1f);
+    CHECK(saturation(c[i]) < 0.65f);
+    CHECK(luminance(c[i]) > 0.2f);
+  }
+  CHECK(isGrey(c[36]));
+}
+
+TEST_CASE("coordinates are red to the right and green downwards, of the swatch or the largest") {
+  const float nan = std::nanf("");
+  const std::vector<vec2> texel{{0, 0}, {100, 0}, {50, 40}, {nan, 1}, {200, 80}, {3, 3}};
+  std::vector<PointState> state(6, PointState::Patch);
+  state[5] = PointState::Free;
+  const auto known =
+      viewColours(View::Coordinates, {.state = state, .texel = texel, .swatchSize = {400, 160}});
+  CHECK(glm::distance(vec2(known.colours[0]), vec2(0)) < 1e-6f);
+  CHECK(glm::distance(vec2(known.colours[1]), vec2(0.25f, 0)) < 1e-6f);
+  CHECK(glm::distance(vec2(known.colours[2]), vec2(0.125f, 0.25f)) < 1e-6f);
+  CHECK(glm::distance(vec2(known.colours[4]), vec2(0.5f)) < 1e-6f);
+  CHECK(known.colours[0].b == known.colours[4].b);
+  CHECK(isGrey(known.colours[3]));
+  CHECK(isGrey(known.colours[5]));
+  const auto guessed = viewColours(View::Coordinates, {.texel = texel});
+  CHECK(glm::distance(vec2(guessed.colours[4]), vec2(1)) < 1e-6f);
+  CHECK(glm::distance(vec2(guessed.colours[2]), vec2(0.25f, 0.5f)) < 1e-6f);
+  CHECK(!isGrey(guessed.colours[5]));
 }
 
 TEST_CASE("a few values far above the others do not take the heat map's colours") {

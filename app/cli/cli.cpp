@@ -4,7 +4,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -46,6 +48,20 @@ int report(int code, const char* prefix, const char* text) {
   return code;
 }
 
+// Without the program's name and, as CLI11 wants them, from the last to the first. A --shading
+// without a word after it gets its value here: CLI11 would take the scan's name for it.
+std::vector<std::string> argumentsOf(int argc, char** argv) {
+  std::vector<std::string> all(argv + 1, argv + argc);
+  const auto isWord = [](const std::string& text) {
+    return !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyz") == text.npos;
+  };
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i] == "--shading" && (i + 1 == all.size() || !isWord(all[i + 1])))
+      all[i] = "--shading=headlight";
+  std::reverse(all.begin(), all.end());
+  return all;
+}
+
 void runCommand(const Subcommand& command) {
   std::stop_source stop;
   const InterruptWatch watch(stop);
@@ -78,14 +94,20 @@ void addTableOption(CLI::App& app, std::string_view name, TextureOptions& option
       ->type_name(optionRange(*row));
 }
 
-void addDrawingOptions(CLI::App& app, std::string& renderer, std::string& texels) {
+void addDrawingOptions(CLI::App& app, DrawingArguments& arguments) {
   app.add_option(
-         "--texels", texels,
+         "--texels", arguments.texels,
          "auto|on|off: show the swatch itself inside the splats where the view magnifies it")
       ->capture_default_str();
-  app.add_option("--renderer", renderer,
+  app.add_option("--renderer", arguments.renderer,
                  "auto|gl|cpu: what draws, OpenGL or the processor; auto takes the processor where "
                  "OpenGL is only software, as it is without a display")
+      ->capture_default_str();
+  app.add_option("--shading", arguments.shading,
+                 "off|headlight|studio: light the picture; --shading alone is headlight [off; "
+                 "headlight for a scan without colours]");
+  app.add_option("--background", arguments.background,
+                 "white|grey|black|#rrggbb|red,green,blue (0 to 255)")
       ->capture_default_str();
 }
 
@@ -105,7 +127,7 @@ int runCommandLine(int argc, char** argv) {
       addTextureCommand(app, common[0]), addInfoCommand(app, common[1]),
       addRenderCommand(app, common[2]), addScoreCommand(app, common[3])};
   try {
-    app.parse(argc, argv);
+    app.parse(argumentsOf(argc, argv));
     for (const Subcommand& command : commands)
       if (command.app->parsed()) runCommand(command);
     return 0;

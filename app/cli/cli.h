@@ -33,10 +33,13 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
 // An option, or a flag, of the options table: help, default, range and behaviour cannot differ.
 void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options);
 
-// --threads, --quiet and --progress.
-// --renderer and --texels, of the commands that draw.
-void addDrawingOptions(CLI::App& app, std::string& renderer, std::string& texels);
+// How a picture is drawn, as it was typed.
+struct DrawingArguments {
+  std::string renderer = "auto", texels = "auto", shading, background = "white";
+};
+void addDrawingOptions(CLI::App& app, DrawingArguments& arguments);
 
+// --threads, --quiet and --progress.
 void addCommonOptions(CLI::App& app, CommonOptions& common);
 
 // Exit code: 0 done; 1 a bug in Dapple; 2 bad input or a file that cannot be read or written;

@@ -1,6 +1,6 @@
 #include "app/cli/picture.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -10,13 +10,14 @@
 #include "app/render/cpu_splatter.h"
 #include "app/render/legend.h"
 #include "app/render/offscreen.h"
+#include "app/render/overlay.h"
 #include "app/render/splat_renderer.h"
 #include "base/errors.h"
 
 namespace dapple {
 namespace {
 
-constexpr int kLargest = 8192;
+constexpr float kPlainHeight = 720;     // pixels: overlays grow with larger pictures
 constexpr int kSupersampleUpTo = 2048;  // pixels a side; beyond, the outlines are fine enough
 
 vec3 yUp(const vec3& v) {
@@ -88,34 +89,75 @@ bool usesTexels(const PictureInput& input, const PictureOptions& options) {
   return possible && options.texels != "off";
 }
 
-// Either of the two, behind one function.
+// Either of the two, behind one function. What is drawn over the picture needs the points that the
+// processor traces, whoever draws.
 class Splatter {
  public:
-  Splatter(const SplatColumns& columns, bool openGl, Workers& workers) {
-    if (openGl) {
+  Splatter(const SplatColumns& columns, const PictureOptions& options, Workers& workers) {
+    raster_.trace = options.overlay != Overlay::None;
+    if (usesOpenGl(options.renderer)) {
       context_ = std::make_unique<OffscreenContext>();
       openGl_ = std::make_unique<SplatRenderer>();
       openGl_->update(columns);
-    } else {
-      cpu_ = std::make_unique<CpuSplatter>(workers);
-      cpu_->update(columns);
     }
+    if (openGl_ && !raster_.trace) return;
+    cpu_ = std::make_unique<CpuSplatter>(workers);
+    cpu_->update(columns);
   }
 
   Image draw(const Camera& camera, const PictureOptions& options) {
     const bool small = std::max(options.width, options.height) <= kSupersampleUpTo;
-    const SplatOptions splats{.shading = options.shading ? Shading::Headlight : Shading::Off,
-                              .samples = small ? 2 : 1};
+    const SplatOptions splats{
+        .shading = options.shading, .background = options.background, .samples = small ? 2 : 1};
+    if (cpu_) cpu_->draw(camera, options.width, options.height, splats, raster_);
     if (openGl_) return openGl_->draw(camera, options.width, options.height, splats);
-    cpu_->draw(camera, options.width, options.height, splats, raster_);
     return toImage(raster_);
   }
+  const Raster& traced() const { return raster_; }
 
  private:
   std::unique_ptr<OffscreenContext> context_;  // outlives what was made in it
   std::unique_ptr<SplatRenderer> openGl_;
   std::unique_ptr<CpuSplatter> cpu_;
   Raster raster_;
+};
+
+// What lies over the pictures of one scan.
+class PictureOverlay {
+ public:
+  PictureOverlay(const PictureInput& input, const PictureOptions& options,
+                 const std::vector<vec3>& positions, const std::vector<float>& radii)
+      : options_(options), positions_(positions), regions_(input.columns.region) {
+    if (options.overlay == Overlay::Directions && input.map)
+      for (const TangentFrame& frame : input.map->frame)
+        directions_.push_back(options.zUp ? yUp(frame.t) : frame.t);
+    if (options.overlay == Overlay::Directions && directions_.empty())
+      throw InvalidInput(
+          "--overlay directions: the scan has none; texture it with --source-map first");
+    if (options.overlay == Overlay::Regions && regions_.empty())
+      throw InvalidInput("--overlay regions: the scan has no vertex property 'region'");
+    std::vector<float> sorted = radii;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    radius_ = sorted.empty() ? 0 : *middle;
+  }
+
+  void draw(const Camera& camera, const Raster& traced, Image& picture) const {
+    if (options_.overlay == Overlay::None) return;
+    const auto size = static_cast<float>(std::min(picture.width, picture.height));
+    const OverlayView view(camera, traced, radius_, std::max(1.f, size / kPlainHeight));
+    drawLines(options_.overlay == Overlay::Directions
+                  ? directionLines(view, positions_, directions_)
+                  : outlineLines(view, regions_),
+              picture);
+  }
+
+ private:
+  const PictureOptions& options_;
+  const std::vector<vec3>& positions_;
+  std::span<const Index> regions_;
+  std::vector<vec3> directions_;
+  float radius_ = 0;
 };
 
 // The camera of picture `turn` (0..1) of a turntable: all of the scan is seen in all of them.
@@ -171,7 +213,8 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
     if (options.texels == "on") texture->longestStep = std::numeric_limits<float>::max();
     columns.texture = &*texture;
   }
-  Splatter splatter(columns, usesOpenGl(options.renderer), workers);
+  Splatter splatter(columns, options, workers);
+  const PictureOverlay overlay(input, options, positions, radii);
   for (int k = 0; k < std::max(1, options.turntable); ++k) {
     const Camera camera =
         options.turntable == 0
@@ -179,6 +222,7 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
             : turnedCamera(options, positions,
                            static_cast<float>(k) / static_cast<float>(options.turntable));
     Image picture = splatter.draw(camera, options);
+    overlay.draw(camera, splatter.traced(), picture);
     if (view.legend) drawLegend(picture, *view.legend);
     take(k, picture);
   }
@@ -194,20 +238,6 @@ void checkPicture(const PictureOptions& options) {
   usesOpenGl(options.renderer);
   checkTexels(options);
   if (!options.eye || !options.target) standardView(options.view, Bounds{}, 1);
-}
-
-void parseSize(const std::string& text, PictureOptions& options) {
-  const char* end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, options.width);
-  bool good = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
-  if (good) {
-    const auto height = std::from_chars(width.ptr + 1, end, options.height);
-    good = height.ec == std::errc() && height.ptr == end;
-  }
-  auto inRange = [](int size) { return size >= 1 && size <= kLargest; };
-  if (!good || !inRange(options.width) || !inRange(options.height))
-    throw InvalidInput(fmt::format(
-        "--size: '{}' is not allowed; give WIDTHxHEIGHT in pixels, 1 to {} each", text, kLargest));
 }
 
 }  // namespace dapple

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "app/render/splats.h"
 #include "app/render/views.h"
 #include "base/parallel.h"
 #include "points/neighborhoods.h"
@@ -13,12 +14,17 @@
 
 namespace dapple {
 
+// Drawn over the picture; see overlay.h.
+enum class Overlay { None, Directions, Regions };
+
 struct PictureOptions {
   std::string view = "front";
   std::optional<vec3> eye, target;  // model coordinates; in place of a view when both are there
   int width = 1280, height = 720;
   bool zUp = false;  // the scan's z axis points up, not y
-  bool shading = false;
+  Shading shading = Shading::Off;
+  vec3 background{1};  // 0..1
+  Overlay overlay = Overlay::None;
   View show = View::Colour;
   std::string renderer = "auto";  // auto|gl|cpu
   std::string texels = "auto";    // auto|on|off: the swatch inside the splats
@@ -47,7 +53,10 @@ Image drawPicture(const PictureInput& input, const PictureOptions& options, Work
 // work, not after.
 void checkPicture(const PictureOptions& options);
 
-// "1280x720". Throws InvalidInput.
-void parseSize(const std::string& text, PictureOptions& options);
+// What the options say. All throw InvalidInput.
+void parseSize(const std::string& text, PictureOptions& options);  // "1280x720"
+Shading shadingNamed(const std::string& name);                     // "off", "headlight", "studio"
+Overlay overlayNamed(const std::string& name);  // "none", "directions", "regions"
+vec3 parseColour(const std::string& text);      // "white", "grey", "black", "#a0b0ff", "1,20,255"
 
 }  // namespace dapple

@@ -7,6 +7,7 @@
 #include "app/cli/cli.h"
 #include "app/cli/picture.h"
 #include "app/cli/report.h"
+#include "app/render/camera.h"
 #include "base/errors.h"
 #include "document/texture_job.h"
 #include "document/textured_scan.h"
@@ -19,8 +20,10 @@ constexpr int kNeighbours = 16;
 constexpr float kPlainGrey = 0.7f;  // of a scan without colours
 
 struct RenderArguments {
-  std::string scan, output, size = "1280x720", show = "colour", swatch;
+  std::string scan, output, size = "1280x720", show = "colour", swatch, overlay = "none";
   std::vector<float> eye, target;
+  DrawingArguments drawing;
+  int perSecond = 12;
   PictureOptions picture;
 };
 
@@ -37,21 +40,54 @@ std::string numbered(const std::filesystem::path& path, int k) {
   return path.parent_path() / name;
 }
 
-void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor) {
+// One file for the picture, for each of a turntable's, or for all of them.
+class PictureFiles {
+ public:
+  PictureFiles(const RenderArguments& a) : a_(a) {
+    if (a.picture.turntable > 0 && isAnimation(a.output))
+      animation_ = std::make_unique<AnimationWriter>(a.output, a.picture.turntable, a.perSecond);
+  }
+  void take(int k, const Image& picture) {
+    if (animation_)
+      animation_->add(picture);
+    else
+      writeImage(a_.picture.turntable == 0 ? a_.output : numbered(a_.output, k), picture);
+  }
+  void finish() {
+    if (animation_) animation_->finish();
+  }
+
+ private:
+  const RenderArguments& a_;
+  std::unique_ptr<AnimationWriter> animation_;
+};
+
+void parsePicture(RenderArguments& a) {
   parseSize(a.size, a.picture);
   a.picture.show = viewNamed(a.show);
   a.picture.eye = toVector(a.eye);
   a.picture.target = toVector(a.target);
+  a.picture.renderer = a.drawing.renderer;
+  a.picture.texels = a.drawing.texels;
+  if (!a.drawing.shading.empty()) a.picture.shading = shadingNamed(a.drawing.shading);
+  a.picture.background = parseColour(a.drawing.background);
+  a.picture.overlay = overlayNamed(a.overlay);
   checkPicture(a.picture);
+}
+
+void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor) {
+  parsePicture(a);
   checkWritable(a.output);
   checkImageName(a.output);
   PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
   PointSet& points = prepared.scan.points;
   if (points.colours.empty()) {
     points.colours.assign(points.size(), vec3(kPlainGrey));
-    a.picture.shading = true;  // flat grey would show nothing of the shape
+    // Flat grey would show nothing of the shape.
+    if (a.drawing.shading.empty()) a.picture.shading = Shading::Headlight;
   }
   const SourceMap map = readSourceMap(prepared.scan).value_or(SourceMap{});
+  const std::vector<Index> regions = readRegions(prepared.scan).value_or(std::vector<Index>{});
   std::optional<Swatch> swatch;
   if (!a.swatch.empty())
     swatch = makeSwatch(readImage(a.swatch), table.tileable, stackLevels(table), a.swatch);
@@ -60,8 +96,12 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
                             .state = map.state,
                             .patch = map.patch,
                             .error = map.error,
-                            .order = map.order};
+                            .order = map.order,
+                            .region = regions,
+                            .texel = map.texel,
+                            .swatchSize = swatch ? ivec2(swatch->width, swatch->height) : ivec2(0)};
   monitor.begin(Stage::Render, 0);
+  PictureFiles files(a);
   drawPictures({.points = points,
                 .neighborhoods = prepared.neighborhoods,
                 .columns = columns,
@@ -69,8 +109,9 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
                 .swatch = swatch ? &*swatch : nullptr},
                a.picture, monitor.workers(), [&](int k, const Image& picture) {
                  monitor.checkpoint();
-                 writeImage(a.picture.turntable == 0 ? a.output : numbered(a.output, k), picture);
+                 files.take(k, picture);
                });
+  files.finish();
 }
 
 }  // namespace
@@ -81,8 +122,7 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
   sub->add_option("scan", a->scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
   sub->add_option("-o,--output", a->output, "image to write")->required();
   sub->add_option("--size", a->size, "WIDTHxHEIGHT, 1 to 8192 pixels each")->capture_default_str();
-  sub->add_option("--view", a->picture.view, "front|back|left|right|top|iso")
-      ->capture_default_str();
+  sub->add_option("--view", a->picture.view, viewDirectionNames("|"))->capture_default_str();
   auto* eye = sub->add_option("--eye", a->eye, "x,y,z: where to look from, in place of --view")
                   ->delimiter(',')
                   ->expected(3);
@@ -93,19 +133,27 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
   sub->add_flag("--orthographic", a->picture.orthographic,
                 "no perspective: the scan as large as it fits, seen along --view or from --eye");
   sub->add_option("--turntable", a->picture.turntable,
-                  "draw this many pictures round the vertical axis: OUT_000.png, OUT_001.png, ...")
+                  "draw this many pictures round the vertical axis: OUT_000.png, OUT_001.png, "
+                  "...; one animated file when OUT ends in .gif")
       ->check(CLI::Range(2, 720))
       ->excludes(eye);
-  sub->add_option("--show", a->show,
-                  "colour|normals|state|patch|distortion|order; the last four need a scan that was "
-                  "saved with --source-map")
+  sub->add_option("--fps", a->perSecond, "pictures a second of an animated file")
+      ->check(CLI::Range(1, 50))
       ->capture_default_str();
-  sub->add_flag("--shading", a->picture.shading, "light the picture");
+  sub->add_option("--show", a->show,
+                  viewNames("|") +
+                      "; all from state on need a scan that was saved with --source-map, regions "
+                      "one with a vertex property 'region'")
+      ->capture_default_str();
+  sub->add_option("--overlay", a->overlay,
+                  "none|directions|regions: drawn over the picture; directions of a scan that was "
+                  "saved with --source-map, outlines of regions")
+      ->capture_default_str();
   sub->add_option("--swatch", a->swatch,
                   "the image that the scan was textured from, for --texels; needs a scan that was "
                   "saved with --source-map");
   addTableOption(*sub, "tileable", common.table);
-  addDrawingOptions(*sub, a->picture.renderer, a->picture.texels);
+  addDrawingOptions(*sub, a->drawing);
   sub->add_flag("--z-up", a->picture.zUp, "the scan's z axis points up");
   addCommonOptions(*sub, common);
   return {sub, &common, [a, &common](Monitor& monitor) { runRender(*a, common.table, monitor); }};

@@ -7,6 +7,7 @@
 #include "app/cli/cli.h"
 #include "app/cli/picture.h"
 #include "app/cli/report.h"
+#include "app/render/camera.h"
 #include "base/errors.h"
 #include "document/options_table.h"
 #include "document/textured_scan.h"
@@ -16,11 +17,12 @@ namespace dapple {
 namespace {
 
 struct TextureArguments {
-  std::string scan, swatch, output, report, picture,
-      view = "front", size = "1280x720", show = "colour", renderer = "auto", texels = "auto";
+  std::string scan, swatch, output, report, picture, view = "front", size = "1280x720",
+                                                     show = "colour";
+  DrawingArguments drawing;
   LoadOptions load;
   ExportOptions exported;
-  bool ascii = false, zUp = false, shading = false, score = false;
+  bool ascii = false, zUp = false, score = false;
 };
 
 void addFileOptions(CLI::App& app, TextureArguments& a) {
@@ -37,23 +39,22 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("--report", a.report, "write figures and score as JSON");
   app.add_flag("--score", a.score, "measure and print the score (with --report always)");
   app.add_option("--picture", a.picture, "also draw the result into this image");
-  app.add_option("--view", a.view, "of the picture: front|back|left|right|top|iso")
+  app.add_option("--view", a.view, "of the picture: " + viewDirectionNames("|"))
       ->capture_default_str();
   app.add_option("--size", a.size, "of the picture, WIDTHxHEIGHT")->capture_default_str();
-  app.add_option("--show", a.show, "in the picture: colour|normals|state|patch|distortion|order")
-      ->capture_default_str();
+  app.add_option("--show", a.show, "in the picture: " + viewNames("|"))->capture_default_str();
   app.add_flag("--z-up", a.zUp, "the scan's z axis points up: for the picture, and --up 0,0,1");
-  app.add_flag("--shading", a.shading, "light the picture");
-  addDrawingOptions(app, a.renderer, a.texels);
+  addDrawingOptions(app, a.drawing);
 }
 
 PictureOptions pictureOptions(const TextureArguments& a) {
   PictureOptions options{.view = a.view,
                          .zUp = a.zUp,
-                         .shading = a.shading,
+                         .background = parseColour(a.drawing.background),
                          .show = viewNamed(a.show),
-                         .renderer = a.renderer,
-                         .texels = a.texels};
+                         .renderer = a.drawing.renderer,
+                         .texels = a.drawing.texels};
+  if (!a.drawing.shading.empty()) options.shading = shadingNamed(a.drawing.shading);
   parseSize(a.size, options);
   checkPicture(options);
   return options;
@@ -61,12 +62,16 @@ PictureOptions pictureOptions(const TextureArguments& a) {
 
 Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured, const Swatch& swatch,
                 const PictureOptions& options, Workers& workers) {
+  const std::vector<Index> regions = readRegions(prepared.scan).value_or(std::vector<Index>{});
   const ViewColumns columns{.colours = textured.map.colour,
                             .normals = prepared.scan.points.normals,
                             .state = textured.map.state,
                             .patch = textured.map.patch,
                             .error = textured.map.error,
-                            .order = textured.map.order};
+                            .order = textured.map.order,
+                            .region = regions,
+                            .texel = textured.map.texel,
+                            .swatchSize = {swatch.width, swatch.height}};
   return drawPicture({.points = prepared.scan.points,
                       .neighborhoods = prepared.neighborhoods,
                       .columns = columns,

@@ -19,33 +19,12 @@ constexpr float kSmallestSize = 1e-4f;  // local units: a single point still get
 constexpr int kHalvings = 14;           // to a fraction of a pixel
 constexpr float kNearestPlane = 1e-3f;  // of the distance to the far plane
 
-struct NamedView {
-  std::string_view name;
-  vec3 back;  // from the target to the eye
-  vec3 up;
-};
-const NamedView kViews[] = {
+const ViewDirection kViews[] = {
     {"front", {0, 0, 1}, {0, 1, 0}}, {"back", {0, 0, -1}, {0, 1, 0}},
     {"left", {-1, 0, 0}, {0, 1, 0}}, {"right", {1, 0, 0}, {0, 1, 0}},
-    {"top", {0, 1, 0}, {0, 0, -1}},  {"iso", {1, 1, 1}, {0, 1, 0}},
+    {"top", {0, 1, 0}, {0, 0, -1}},  {"bottom", {0, -1, 0}, {0, 0, 1}},
+    {"iso", {1, 1, 1}, {0, 1, 0}},
 };
-
-const NamedView& viewNamed(std::string_view name) {
-  std::string names;
-  for (const NamedView& v : kViews) {
-    if (v.name == name) return v;
-    names += (names.empty() ? "" : ", ") + std::string(v.name);
-  }
-  throw InvalidInput(fmt::format("There is no view named '{}'; choose one of {}.", name, names));
-}
-
-std::vector<vec3> cornersOf(const Bounds& b) {
-  std::vector<vec3> corners;
-  for (int i = 0; i < 8; ++i)
-    corners.push_back(
-        {i & 1 ? b.high.x : b.low.x, i & 2 ? b.high.y : b.low.y, i & 4 ? b.high.z : b.low.z});
-  return corners;
-}
 
 // Along one axis of the picture (x to the right, z towards the eye, k the frustum's slope) all
 // points are inside when k (ez - z) >= |x - ex|: ex + k ez >= a = max(x + k z) and
@@ -83,15 +62,50 @@ vec2 centred(float distance, std::span<const vec3> points) {
   return 0.5f * (low + high);
 }
 
-Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3> points,
-              float aspect) {
-  const vec3 back = glm::normalize(view.back);
-  const vec3 right = glm::normalize(glm::cross(view.up, back));
+}  // namespace
+
+Bounds boundsOf(const std::vector<vec3>& positions) {
+  if (positions.empty()) return {};
+  Bounds b{positions[0], positions[0]};
+  for (const vec3& p : positions) {
+    b.low = glm::min(b.low, p);
+    b.high = glm::max(b.high, p);
+  }
+  return b;
+}
+
+const ViewDirection& viewDirection(std::string_view name) {
+  for (const ViewDirection& v : kViews)
+    if (v.name == name) return v;
+  throw InvalidInput(fmt::format("There is no view named '{}'; choose one of {}.", name,
+                                 viewDirectionNames(", ")));
+}
+
+std::string viewDirectionNames(std::string_view separator) {
+  std::string names;
+  for (const ViewDirection& v : kViews)
+    names += fmt::format("{}{}", names.empty() ? "" : separator, v.name);
+  return names;
+}
+
+std::vector<vec3> cornersOf(const Bounds& b) {
+  std::vector<vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(
+        {i & 1 ? b.high.x : b.low.x, i & 2 ? b.high.y : b.low.y, i & 4 ? b.high.z : b.low.z});
+  return corners;
+}
+
+Camera framedView(const ViewDirection& direction, const std::vector<vec3>& points, float aspect,
+                  float verticalFov) {
+  const Bounds bounds = boundsOf(points);
+  const vec3 back = glm::normalize(direction.back);
+  const vec3 right = glm::normalize(glm::cross(direction.up, back));
   const vec3 up = glm::cross(back, right);
   const vec3 centre = 0.5f * (bounds.low + bounds.high);
 
-  Camera camera;
-  const float slope = std::tan(0.5f * camera.verticalFov) * (1 - 2 * kMargin);
+  Camera camera{.verticalFov = verticalFov};
+  const float slope = std::tan(0.5f * verticalFov) * (1 - 2 * kMargin);
   Fit across{slope * aspect}, upwards{slope};
   float nearest = -std::numeric_limits<float>::infinity(), farthest = -nearest;
   std::vector<vec3> turned;  // to the right, upwards, towards the eye
@@ -115,25 +129,13 @@ Camera fitted(const NamedView& view, const Bounds& bounds, std::span<const vec3>
   return camera;
 }
 
-}  // namespace
-
-Bounds boundsOf(const std::vector<vec3>& positions) {
-  if (positions.empty()) return {};
-  Bounds b{positions[0], positions[0]};
-  for (const vec3& p : positions) {
-    b.low = glm::min(b.low, p);
-    b.high = glm::max(b.high, p);
-  }
-  return b;
-}
-
 Camera standardView(std::string_view name, const Bounds& bounds, float aspect) {
-  return fitted(viewNamed(name), bounds, cornersOf(bounds), aspect);
+  return framedView(viewDirection(name), cornersOf(bounds), aspect);
 }
 
 Camera standardView(std::string_view name, const std::vector<vec3>& positions, float aspect) {
   if (positions.empty()) return standardView(name, Bounds{}, aspect);
-  return fitted(viewNamed(name), boundsOf(positions), positions, aspect);
+  return framedView(viewDirection(name), positions, aspect);
 }
 
 Camera lookAt(vec3 eye, vec3 target, const Bounds& bounds) {
@@ -177,6 +179,44 @@ Camera orthographicView(const Camera& camera, const std::vector<vec3>& positions
 
 glm::mat4 viewMatrix(const Camera& camera) {
   return glm::lookAt(camera.eye, camera.target, camera.up);
+}
+
+PixelView::PixelView(const Camera& camera, int pixelsWide, int pixelsHigh)
+    : width(pixelsWide),
+      height(pixelsHigh),
+      eye(camera.eye),
+      orthographic(camera.orthographicHeight > 0),
+      nearest(camera.nearPlane),
+      farthest(camera.farPlane) {
+  const glm::mat4 m = viewMatrix(camera);
+  right = {m[0][0], m[1][0], m[2][0]};
+  down = {-m[0][1], -m[1][1], -m[2][1]};
+  forward = {-m[0][2], -m[1][2], -m[2][2]};
+  const auto high = static_cast<float>(height);
+  focal = orthographic ? high / camera.orthographicHeight
+                       : 0.5f * high / std::tan(0.5f * camera.verticalFov);
+  unit = 1 / focal;
+}
+
+vec3 PixelView::project(const vec3& p) const {
+  const vec3 d = p - eye;
+  const float depth = glm::dot(d, forward), scale = pixelsPerUnit(depth);
+  return {0.5f * static_cast<float>(width) + scale * glm::dot(d, right),
+          0.5f * static_cast<float>(height) + scale * glm::dot(d, down), depth};
+}
+
+vec3 PixelView::unproject(vec2 pixel, float depth) const {
+  const vec2 across = (pixel - 0.5f * vec2(width, height)) / pixelsPerUnit(depth);
+  return eye + across.x * right + across.y * down + depth * forward;
+}
+
+Ray PixelView::rayThrough(vec2 pixel) const {
+  if (orthographic) return {unproject(pixel, 0), forward};
+  return {eye, glm::normalize(unproject(pixel, 1) - eye)};
+}
+
+vec3 PixelView::towardsEye(const vec3& p) const {
+  return orthographic ? -forward : glm::normalize(eye - p);
 }
 
 }  // namespace dapple

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,10 +27,25 @@ struct Bounds {
 // Zero when there are no positions.
 Bounds boundsOf(const std::vector<vec3>& positions);
 
-// A standard view ("front", "back", "left", "right", "top", "iso") as near as the bounds fit into
-// a picture of the given aspect (width / height), with a margin of 4 % of the picture. y is up;
-// front looks along -z (x to the right), right along -x, top along -y with the front below, iso
-// from (1, 1, 1). Throws InvalidInput for another name.
+// "front", "back", "left", "right", "top", "bottom", "iso": y is up; front looks along -z (x to the
+// right), right along -x, top along -y with the front below, bottom along y with the front above,
+// iso from (1, 1, 1).
+struct ViewDirection {
+  std::string_view name;
+  vec3 back;  // from the target to the eye
+  vec3 up;    // not along back
+};
+// Throws InvalidInput for another name.
+const ViewDirection& viewDirection(std::string_view name);
+// All names with `separator` between them.
+std::string viewDirectionNames(std::string_view separator);
+
+// As near as the positions (at least one) fit into a picture of the given aspect (width / height),
+// with a margin of 4 % of the picture; seen from where direction.back points, by perspective.
+Camera framedView(const ViewDirection& direction, const std::vector<vec3>& positions, float aspect,
+                  float verticalFov = Camera{}.verticalFov);
+
+// The view of that name, so that the bounds' corners fit. Throws InvalidInput.
 Camera standardView(std::string_view name, const Bounds& bounds, float aspect);
 // The same, fitted to the positions themselves: nearer where they leave the bounds' corners empty.
 Camera standardView(std::string_view name, const std::vector<vec3>& positions, float aspect);
@@ -44,5 +60,43 @@ Camera orthographicView(const Camera& camera, const std::vector<vec3>& positions
 
 // Rigid: the eye at the origin, x to the right, y up, looking along -z.
 glm::mat4 viewMatrix(const Camera& camera);
+
+std::vector<vec3> cornersOf(const Bounds& bounds);
+
+struct Ray {
+  vec3 origin;     // the eye; without perspective beside it
+  vec3 direction;  // unit length
+};
+
+// A camera and the picture that it takes, ready for many points. Pixels are the picture's own
+// (framebuffer pixels, whatever the scale of the user interface), from its upper left corner, x to
+// the right and y down: the first pixel's centre is (0.5, 0.5). Depths are along the view axis.
+struct PixelView {
+  PixelView(const Camera& camera, int pixelsWide, int pixelsHigh);
+
+  // x, y: pixel, z: depth. What lies at or behind the eye has a depth of 0 or less and no pixel.
+  vec3 project(const vec3& p) const;
+  vec3 unproject(vec2 pixel, float depth) const;
+  Ray rayThrough(vec2 pixel) const;
+  // Of what lies across the view axis at that depth.
+  float pixelsPerUnit(float depth) const { return orthographic ? focal : focal / depth; }
+  float unitsPerPixel(float depth) const { return orthographic ? unit : unit * depth; }
+  // Unit vector from p towards the eye.
+  vec3 towardsEye(const vec3& p) const;
+
+  int width, height;
+  vec3 eye, right, down, forward;
+  float focal, unit;  // pixels at depth 1, or orthographic: pixels per local unit; 1 / focal
+  bool orthographic;
+  float nearest, farthest;
+};
+
+// The same for one point or pixel.
+inline vec3 projectPoint(const Camera& camera, int width, int height, const vec3& p) {
+  return PixelView(camera, width, height).project(p);
+}
+inline Ray rayThrough(const Camera& camera, int width, int height, vec2 pixel) {
+  return PixelView(camera, width, height).rayThrough(pixel);
+}
 
 }  // namespace dapple

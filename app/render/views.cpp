@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,13 +16,15 @@
 namespace dapple {
 namespace {
 
-struct NamedView {
-  std::string_view name;
-  View view;
-};
 constexpr NamedView kViews[] = {
-    {"colour", View::Colour}, {"normals", View::Normals},       {"state", View::State},
-    {"patch", View::Patch},   {"distortion", View::Distortion}, {"order", View::Order},
+    {"colour", View::Colour, "the colours"},
+    {"normals", View::Normals, "the surface's directions"},
+    {"state", View::State, "free, patch, gap or matched"},
+    {"patch", View::Patch, "the patches that grew"},
+    {"distortion", View::Distortion, "how far the swatch is stretched"},
+    {"order", View::Order, "what was decided first, and last"},
+    {"regions", View::Regions, "the regions"},
+    {"coordinates", View::Coordinates, "the place in the swatch: red to the right, green down"},
 };
 
 constexpr vec3 kUnknown{0.75f, 0.75f, 0.75f};
@@ -60,19 +63,14 @@ vec3 fromLch(float lightness, float chroma, float turns) {
   return {gamma(rgb.r), gamma(rgb.g), gamma(rgb.b)};
 }
 
-std::string namesOf() {
-  std::string names;
-  for (const NamedView& v : kViews) names += (names.empty() ? "" : ", ") + std::string(v.name);
-  return names;
-}
-
 template <typename T>
 std::span<const T> known(std::span<const T> column, std::string_view name) {
   if (column.empty())
     throw InvalidInput(fmt::format(
         "There is nothing to show as '{}': these points have no such column. Show 'colour', or "
-        "give a scan that was textured with --source-map.",
-        name));
+        "give a scan that {}.",
+        name,
+        name == "regions" ? "has a vertex property 'region'" : "was textured with --source-map"));
   return column;
 }
 
@@ -125,13 +123,44 @@ ViewColours heatMap(std::span<const T> column) {
   return {mapped(column, colour), range};
 }
 
+vec2 sizeOfSwatch(const ViewColumns& columns) {
+  if (columns.swatchSize.x > 0 && columns.swatchSize.y > 0) return columns.swatchSize;
+  vec2 largest(0);
+  for (const vec2& texel : columns.texel)
+    if (std::isfinite(texel.x) && std::isfinite(texel.y)) largest = glm::max(largest, texel);
+  return glm::max(largest, vec2(1));
+}
+
+ViewColours coordinates(const ViewColumns& columns) {
+  const auto texels = known(columns.texel, "coordinates");
+  const vec2 size = sizeOfSwatch(columns);
+  ViewColours out;
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const bool free = !columns.state.empty() && columns.state[i] == PointState::Free;
+    const bool none = free || !std::isfinite(texels[i].x) || !std::isfinite(texels[i].y);
+    out.colours.push_back(none ? kUnknown : coordinateColour(texels[i] / size));
+  }
+  return out;
+}
+
 }  // namespace
+
+std::span<const NamedView> allViews() {
+  return kViews;
+}
+
+std::string viewNames(std::string_view separator) {
+  std::string names;
+  for (const NamedView& v : kViews)
+    names += fmt::format("{}{}", names.empty() ? "" : separator, v.name);
+  return names;
+}
 
 View viewNamed(std::string_view name) {
   for (const NamedView& v : kViews)
     if (v.name == name) return v.view;
   throw InvalidInput(
-      fmt::format("There is nothing named '{}' to show; choose one of {}.", name, namesOf()));
+      fmt::format("There is nothing named '{}' to show; choose one of {}.", name, viewNames(", ")));
 }
 
 vec3 stateColour(PointState state) {
@@ -156,6 +185,21 @@ vec3 patchColour(Index patch) {
   return fromLch(lightness, 60, turns);
 }
 
+vec3 regionColour(Index region) {
+  if (region == kNone) return kUnknown;
+  // Hues in an order that keeps neighbours apart: by 5 twelfths of the circle. A circle later all
+  // are a shade darker, then lighter.
+  constexpr Index kHues = 12;
+  constexpr float kShades[] = {74, 60, 86};
+  const float turns = (static_cast<float>(region * 5 % kHues) + 0.6f) / kHues;
+  return fromLch(kShades[region / kHues % 3], 32, turns);
+}
+
+vec3 coordinateColour(vec2 place) {
+  constexpr float kBlue = 0.35f;
+  return {std::clamp(place.x, 0.f, 1.f), std::clamp(place.y, 0.f, 1.f), kBlue};
+}
+
 vec3 heatColour(float t) {
   const float u = t > 0 ? std::min(t, 1.0f) : 0.0f;
   return fromLch(15 + 77 * u, 45 + 30 * u, 0.86f - 0.58f * u);
@@ -177,6 +221,10 @@ ViewColours viewColours(View view, const ViewColumns& columns) {
       return heatMap(known(columns.error, "distortion"));
     case View::Order:
       return heatMap(known(columns.order, "order"));
+    case View::Regions:
+      return {mapped(known(columns.region, "regions"), regionColour), {}};
+    case View::Coordinates:
+      return coordinates(columns);
   }
   throw Bug("no such view");
 }

@@ -1,7 +1,8 @@
 // The columns: swatch (int, 0: the only one; -1: none), texel_x texel_y (float, swatch pixels, y
 // down), frame_sx ... frame_tz (float: the swatch's axes to the right and up, model directions),
 // patch (int, -1: none), state (uchar: 0 free, 1 patch, 2 gap, 3 matched), error (float), order
-// (int, -1: never decided). The comment: "dapple unit U", U model units per swatch pixel.
+// (int, -1: never decided); read only: region (any integer, -1: none). The comment: "dapple unit
+// U", U model units per swatch pixel.
 #include "document/textured_scan.h"
 
 #include <algorithm>
@@ -126,6 +127,14 @@ std::optional<SourceMap> readSourceMap(const Scan& scan) {
   }
   map.colour = scan.points.colours;
   return map;
+}
+
+std::optional<std::vector<Index>> readRegions(const Scan& scan) {
+  const auto column = pointColumn(scan, "region");
+  if (!column) return std::nullopt;
+  std::vector<Index> regions;
+  for (const double value : *column) regions.push_back(idOf(value));
+  return regions;
 }
 
 }  // namespace dapple

@@ -23,4 +23,7 @@ std::optional<float> readUnit(const Scan& scan);
 // The source map of a file that was written with one.
 std::optional<SourceMap> readSourceMap(const Scan& scan);
 
+// The vertex property "region" (an integer; below 0: in no region, kNone) by point.
+std::optional<std::vector<Index>> readRegions(const Scan& scan);
+
 }  // namespace dapple

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <memory>
 #include <string>
 
@@ -20,6 +21,7 @@ constexpr int kLargestSide = 16384;
 // usual packings reach (deflate 1032, LZW 2730), before memory is taken for it.
 constexpr std::uint64_t kTrustedBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kBestRatio = 4096;
+constexpr char kGifEnd = ';';
 constexpr const char* kKnown = "Use a PNG, JPEG or TIFF image.";
 
 struct Opened {
@@ -168,6 +170,67 @@ void writeImage(const std::filesystem::path& path, const Image& image, bool sixt
   if (!output->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data())) fail();
   if (!output->close()) fail();
   file.commit();
+}
+
+bool isAnimation(const std::filesystem::path& path) {
+  return extensionOf(path) == "gif";
+}
+
+struct AnimationWriter::File {
+  std::string path;
+  int pictures, perSecond, written = 0;
+  OutputFile bytes;
+  std::unique_ptr<OIIO::ImageOutput> output;  // closes before the bytes are taken away
+
+  [[noreturn]] void fail() {
+    throw IoError(path, "", "cannot be written: " + firstLine(output->geterror()),
+                  "Is the disk full? Save to another folder, or to .png for one file a picture.");
+  }
+};
+
+AnimationWriter::AnimationWriter(const std::filesystem::path& path, int pictures, int perSecond)
+    : file_(new File{.path = path.string(),
+                     .pictures = pictures,
+                     .perSecond = perSecond,
+                     .bytes = OutputFile(path, "." + extensionOf(path)),
+                     .output = writerFor(path)}) {
+  DAPPLE_CHECK(isAnimation(path), ==, true);
+}
+
+AnimationWriter::~AnimationWriter() = default;
+
+void AnimationWriter::add(const Image& picture) {
+  File& file = *file_;
+  DAPPLE_CHECK(file.written, <, file.pictures);
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::UINT8);
+  const int rate[] = {file.perSecond, 1};
+  spec.attribute("FramesPerSecond", OIIO::TypeRational, rate);
+  spec.attribute("gif:LoopCount", 0);  // for ever
+  const std::string name = file.bytes.temporary().string();
+  if (file.written == 0) {
+    const std::vector<OIIO::ImageSpec> all(static_cast<std::size_t>(file.pictures), spec);
+    if (!file.output->open(name, file.pictures, all.data())) file.fail();
+  } else if (!file.output->open(name, spec, OIIO::ImageOutput::AppendSubimage)) {
+    file.fail();
+  }
+  const auto step =
+      static_cast<OIIO::stride_t>(picture.channels) * static_cast<OIIO::stride_t>(sizeof(float));
+  DAPPLE_CHECK(picture.channels, >=, 3);
+  if (!file.output->write_image(OIIO::TypeDesc::FLOAT, picture.pixels.data(), step)) file.fail();
+  ++file.written;
+}
+
+void AnimationWriter::finish() {
+  DAPPLE_CHECK(file_->written, ==, file_->pictures);
+  if (!file_->output->close()) file_->fail();
+  // OpenImageIO's GIF writer does not look whether its bytes were taken: the last of them tells.
+  const std::filesystem::path& bytes = file_->bytes.temporary();
+  if (std::filesystem::is_regular_file(bytes)) {
+    std::ifstream written(bytes, std::ios::binary);
+    written.seekg(-1, std::ios::end);
+    if (written.get() != kGifEnd) file_->fail();
+  }
+  file_->bytes.commit();
 }
 
 }  // namespace dapple

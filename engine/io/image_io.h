@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "swatch/image.h"
 
@@ -18,5 +19,26 @@ void checkImageName(const std::filesystem::path& path);
 // Format by extension; 8 bit, or 16 bit for a PNG/TIFF when `sixteenBit`. Written beside and
 // renamed into place. Throws IoError.
 void writeImage(const std::filesystem::path& path, const Image& image, bool sixteenBit = false);
+
+// Whether `path` has the extension of a format that is written as one file of many pictures that
+// viewers play: GIF.
+bool isAnimation(const std::filesystem::path& path);
+
+// Such a file, picture by picture; it appears under its name with finish() only, or not at all.
+class AnimationWriter {
+ public:
+  // Of so many pictures, at so many a second (1 to 50; GIF rounds to hundredths of a second each).
+  // All functions throw IoError.
+  AnimationWriter(const std::filesystem::path& path, int pictures, int perSecond);
+  ~AnimationWriter();
+
+  // All of the same size; alpha is left out.
+  void add(const Image& picture);
+  void finish();
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
 
 }  // namespace dapple
