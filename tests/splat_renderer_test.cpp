@@ -78,8 +78,11 @@ Image picture(const Scene& scene, const Camera& camera, int width, int height,
   return image;
 }
 
+// Half a step in three channels.
+constexpr float kHalfStep = 0.51f / 255 * 1.75f;
+
 struct ByGl {
-  static constexpr float kTolerance = 1e-5f;
+  static constexpr float kTolerance = kHalfStep;
   static Image picture(const Scene& scene, const Camera& camera, int width, int height,
                        const SplatOptions& options = {.background = kBackground},
                        const SplatTexture* texture = nullptr) {
@@ -88,7 +91,7 @@ struct ByGl {
 };
 
 struct ByCpu {
-  static constexpr float kTolerance = 0.51f / 255 * 1.75f;  // half a step in three channels
+  static constexpr float kTolerance = kHalfStep;
   static Image picture(const Scene& scene, const Camera& camera, int width, int height,
                        const SplatOptions& options = {.background = kBackground},
                        const SplatTexture* texture = nullptr) {
