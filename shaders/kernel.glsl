@@ -6,6 +6,6 @@ const vec4 kKernel = vec4(0.91664182, -1.54443346, 1.29660787, -0.47839974);
 const float kLeast = 1e-3;  // so that a disc alone is seen to its rim
 
 float kernel(float d) {
-  float weight = (1.0 - d) * (((kKernel.w * d + kKernel.z) * d + kKernel.y) * d + kKernel.x);
+  float weight = (1.0 - d) * ((kKernel.x + kKernel.y * d) + d * d * (kKernel.z + kKernel.w * d));
   return d <= 1.0 ? max(weight, kLeast) : 0.0;
 }

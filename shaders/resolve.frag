@@ -1,24 +1,25 @@
 // What was added up, divided by its weights, over the background. SAMPLES: a picture's pixel is
 // SAMPLES x SAMPLES of those.
 uniform sampler2D accumulated;
-uniform ivec2 corner;  // of the picture in what is drawn into
-uniform vec3 background;
+
+in vec2 pixel;
+flat in vec3 behind;
 
 layout(location = 0) out vec4 colour;
 
 vec3 shown(ivec2 sample) {
   vec4 a = texelFetch(accumulated, sample, 0);
-  return a.a > 0.0 ? a.rgb / a.a : background;
+  return a.a > 0.0 ? a.rgb / a.a : behind;
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy) - corner;
+  ivec2 at = ivec2(pixel);
 #if SAMPLES == 1
-  colour = vec4(shown(pixel), 1.0);
+  colour = vec4(shown(at), 1.0);
 #else
   vec3 sum = vec3(0.0);
   for (int y = 0; y < SAMPLES; ++y)
-    for (int x = 0; x < SAMPLES; ++x) sum += shown(pixel * SAMPLES + ivec2(x, y));
+    for (int x = 0; x < SAMPLES; ++x) sum += shown(at * SAMPLES + ivec2(x, y));
   colour = vec4(sum / float(SAMPLES * SAMPLES), 1.0);
 #endif
 }

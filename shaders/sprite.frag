@@ -3,7 +3,6 @@
 
 flat in vec4 ellipse;
 flat in vec4 plane;
-uniform float perLowPass2;
 #ifndef VISIBILITY
 flat in vec3 tint;
 #ifdef TEXTURED
@@ -18,11 +17,9 @@ layout(location = 0) out vec4 accumulated;
 void main() {
   vec2 d = gl_FragCoord.xy - ellipse.xy;
   float inDisc = (ellipse.z * d.x + ellipse.w * d.y) * d.x + plane.x * d.y * d.y;
-  float distance = min(inDisc, dot(d, d) * perLowPass2);
+  float distance = min(inDisc, dot(d, d) * plane.y);
 #ifdef PLANE
-  // Beyond the disc its plane says nothing: seen edge-on it would come far too near, and hide what
-  // belongs there (dark cracks).
-  float depth = gl_FragCoord.z + clamp(dot(plane.yz, d), -plane.w, plane.w);
+  float depth = gl_FragCoord.z + dot(plane.zw, d);
 #endif
 #ifdef VISIBILITY
 #ifdef PLANE

@@ -15,8 +15,9 @@ layout(location = 6) in vec3 swatchT;
 uniform vec4 viewport;    // lower left corner and size, pixels
 uniform vec2 tileOrigin;  // pixels
 
+// Software OpenGL reads a uniform sixteen times as slowly as these.
 flat out vec4 ellipse;  // centre in the tile; of the squared distance (1 at the rim): x x, 2 x y
-flat out vec4 plane;    // y y; depth per pixel to the right and upwards, most by which it may change
+flat out vec4 plane;    // y y; the low-pass's; depth per pixel to the right and upwards
 #ifndef VISIBILITY
 flat out vec3 tint;
 #ifdef TEXTURED
@@ -50,10 +51,13 @@ void main() {
   float facing = abs(q) * inversesqrt(dot(ray, ray));
   float perDepth = 1.0 / (depthRange.y - depthRange.x);
   vec2 slope = n.xy * (away / (focal.y * q)) * perDepth;
+  // Beyond the disc its plane says nothing: seen edge-on it would come far too near, and hide what
+  // belongs there (dark cracks). So the depth moves no further than it does on the disc.
   float reach = r * sqrt(max(1.0 - n.z * n.z, 0.0)) * perDepth;
+  slope *= min(1.0, reach / max(length(slope) * lowPass, 1e-20));
   float depth = depthIn(-c.z);
   ellipse = vec4(centre - tileOrigin, conic.xy);
-  plane = vec4(conic.z, slope, reach);
+  plane = vec4(conic.z, 1.0 / (lowPass * lowPass), slope);
 #ifdef VISIBILITY
   depth += depthOffset(r, facing, away / focal.y) * perDepth;
 #else

@@ -302,7 +302,8 @@ void SplatRenderer::Pipeline::resolveTile(const Frame& frame, const Tile& tile,
   glUseProgram(resolve->id());
   glBindTexture(GL_TEXTURE_2D, samples->accumulated.id());
   glUniform1i(resolve->uniform("accumulated"), 0);
-  glUniform2i(resolve->uniform("corner"), target.x, target.y);
+  glUniform2f(resolve->uniform("size"), static_cast<float>(tile.width),
+              static_cast<float>(tile.height));
   glUniform3fv(resolve->uniform("background"), 1, glm::value_ptr(frame.options.background));
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
