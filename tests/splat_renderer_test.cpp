@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <utility>
 
 #include "app/render/cpu_splatter.h"
 #include "app/render/gl_objects.h"
@@ -67,19 +68,28 @@ struct Studio {
   SplatRenderer renderer;
 };
 
-// One for all tests: shaders take long to compile. Every picture must leave OpenGL without a word.
+// One for all tests: shaders take long to compile.
+Studio& studioOfAll() {
+  static Studio studio;
+  return studio;
+}
+
+// Every picture must leave OpenGL without a word.
 Image picture(const Scene& scene, const Camera& camera, int width, int height,
               SplatOptions options = {.background = kBackground},
               const SplatTexture* texture = nullptr) {
-  static Studio studio;
+  Studio& studio = studioOfAll();
   studio.renderer.update({scene.positions, scene.normals, scene.colours, scene.radii, texture});
   Image image = studio.renderer.draw(camera, width, height, options);
   for (const std::string& message : takeGlMessages()) FAIL_CHECK(message);
   return image;
 }
 
+// Half a step in three channels.
+constexpr float kHalfStep = 0.51f / 255 * 1.75f;
+
 struct ByGl {
-  static constexpr float kTolerance = 1e-5f;
+  static constexpr float kTolerance = kHalfStep;
   static Image picture(const Scene& scene, const Camera& camera, int width, int height,
                        const SplatOptions& options = {.background = kBackground},
                        const SplatTexture* texture = nullptr) {
@@ -88,7 +98,7 @@ struct ByGl {
 };
 
 struct ByCpu {
-  static constexpr float kTolerance = 0.51f / 255 * 1.75f;  // half a step in three channels
+  static constexpr float kTolerance = kHalfStep;
   static Image picture(const Scene& scene, const Camera& camera, int width, int height,
                        const SplatOptions& options = {.background = kBackground},
                        const SplatTexture* texture = nullptr) {
@@ -155,14 +165,14 @@ TEST_CASE_TEMPLATE("a uniform colour comes out as it went in", Drawn, ByGl, ByCp
   }
 }
 
-TEST_CASE_TEMPLATE("a sphere has no hole from half a pixel to 20 pixels a splat", Drawn, ByGl,
+TEST_CASE_TEMPLATE("a sphere has no hole from a fifth of a pixel to 20 pixels a splat", Drawn, ByGl,
                    ByCpu) {
   constexpr int kPoints = 5000;
   const float spacing = std::sqrt(4 * std::numbers::pi_v<float> / kPoints);
   // Behind its horizon the sphere is red: a hole shows it.
   const Scene scene = sphere(kPoints, [](vec3 p) { return p.z > -0.1f ? vec3(1) : vec3(1, 0, 0); });
   const Camera camera = sphereCamera();
-  for (float perSplat : {0.5f, 0.8f, 1.3f, 2.0f, 3.7f, 7.0f, 12.0f, 20.0f}) {
+  for (float perSplat : {0.2f, 0.3f, 0.5f, 0.8f, 1.3f, 2.0f, 3.7f, 7.0f, 12.0f, 20.0f}) {
     CAPTURE(perSplat);
     const int side = static_cast<int>(perSplat / spacing * 200 / outlineRadius(camera, 200));
     const float radius = outlineRadius(camera, side);
@@ -260,11 +270,21 @@ TEST_CASE_TEMPLATE("the side of a disc that its normal points to makes no differ
   CHECK(Drawn::picture(scene, sphereCamera(), 200, 200).pixels == outward.pixels);
 }
 
-TEST_CASE_TEMPLATE("quads and sprites make the same picture", Drawn, ByGl, ByCpu) {
+TEST_CASE_TEMPLATE("a splat that is not seen changes nothing", Drawn, ByGl, ByCpu) {
   Scene scene = sphere(5000, noisy);
-  const Image sprites = Drawn::picture(scene, sphereCamera(), 200, 200);
-  scene.add({0, 0, 50}, {0, 0, 1}, vec3(0), 10);  // behind the eye: unseen, but too large a sprite
-  CHECK(Drawn::picture(scene, sphereCamera(), 200, 200).pixels == sprites.pixels);
+  const Image alone = Drawn::picture(scene, sphereCamera(), 200, 200);
+  scene.add({0, 0, 50}, {0, 0, 1}, vec3(0), 10);  // behind the eye
+  CHECK(Drawn::picture(scene, sphereCamera(), 200, 200).pixels == alone.pixels);
+}
+
+TEST_CASE("squares, sprites and flat sprites make the same picture") {
+  // The same ball larger and larger in the picture: the processor knows one kind of splat only.
+  const Scene scene = sphere(600, noisy);
+  for (const int side : {20, 60, 150, 300, 500, 900}) {
+    CAPTURE(side);
+    CHECK(structuralSimilarity(picture(scene, sphereCamera(), side, side),
+                               ByCpu::picture(scene, sphereCamera(), side, side)) > 0.98);
+  }
 }
 
 TEST_CASE_TEMPLATE("a splat larger than the picture with its centre outside covers the picture",
@@ -493,6 +513,27 @@ TEST_CASE_TEMPLATE("a picture of several tiles has no seam", Drawn, ByGl, ByCpu)
   CHECK(different == 0);
 }
 
+TEST_CASE("tiles of a large picture are parts of it") {
+  Scene scene = sphere(3000, noisy);
+  Scene few = sphere(100, noisy);  // squares in object space
+  for (const Scene* drawn : {&scene, &few}) {
+    const Image whole = picture(*drawn, sphereCamera(), 2100, 2100);
+    Camera part = sphereCamera();  // what lies in the middle 1050 x 1050
+    part.verticalFov = 2 * std::atan(0.5f * std::tan(0.5f * part.verticalFov));
+    const Image middle = picture(*drawn, part, 1050, 1050);
+    double most = 0;
+    int different = 0;
+    for (int y = 0; y < 1050; ++y)
+      for (int x = 0; x < 1050; ++x) {
+        const float d = glm::distance(at(middle, x, y), at(whole, x + 525, y + 525));
+        most = std::max<double>(most, d);
+        different += d > kHalfStep * 2;
+      }
+    CAPTURE(most);
+    CHECK(different == 0);
+  }
+}
+
 TEST_CASE_TEMPLATE("a picture of 4096 x 4096 is drawn whole", Drawn, ByGl, ByCpu) {
   Scene scene;
   for (int i = 0; i < 4; ++i)
@@ -668,4 +709,182 @@ TEST_CASE("the picture has the same bytes at any number of OpenGL's threads") {
     CAPTURE(text);
     CHECK(text.find(here) != std::string::npos);
   }
+}
+
+TEST_CASE("the studio's three lamps stay with the camera") {
+  // Facing the eye, straight up and to the right, as the formula has them.
+  const auto lit = [](vec3 n) {
+    Scene scene;
+    scene.add({0, 0, 0}, n, vec3(0.5f), 0.2f);
+    return at(picture(scene, {.eye = {0, 0, 50}, .target = {0, 0, 0}, .verticalFov = 0.02f}, 64, 64,
+                      {.shading = Shading::Studio, .background = kBackground}),
+              32, 32);
+  };
+  const vec3 sky(0.22f, 0.24f, 0.29f), key(0.84f, 0.80f, 0.74f), rim(0.16f, 0.19f, 0.26f);
+  const vec3 lamp = glm::normalize(vec3(-0.45f, 0.60f, 0.66f));
+  for (const vec3& direction : {vec3(0, 0, 1), vec3(0, 0, -1), vec3(0, 1, 0.4f), vec3(-1, 0.5f, 1),
+                                vec3(1, -0.4f, 0.3f), vec3(-1, 1, -1)}) {
+    CAPTURE(direction.x);
+    const vec3 given = glm::normalize(direction), n = given.z < 0 ? -given : given;
+    const vec3 light = sky * (0.5f + 0.5f * n.y) + key * std::max(0.f, glm::dot(n, lamp)) +
+                       rim * std::pow(1 - n.z, 3.f);
+    CHECK(glm::distance(lit(given), glm::min(0.5f * light, vec3(1))) < 0.01f);
+  }
+}
+
+TEST_CASE("the first points alone, enlarged, are the picture of a scene with no others") {
+  for (const int side : {100, 700}) {
+    Scene scene = sphere(5000, noisy);
+    const SplatOptions part{.background = kBackground, .count = 1237, .enlarge = 1.7f};
+    const Image some = picture(scene, sphereCamera(), side, side, part);
+    for (auto* column : {&scene.positions, &scene.normals, &scene.colours}) column->resize(1237);
+    scene.radii.resize(1237);
+    for (float& r : scene.radii) r *= 1.7f;
+    const Image all = picture(scene, sphereCamera(), side, side);
+    CHECK(structuralSimilarity(some, all) > 0.9999);
+    CHECK(structuralSimilarity(some, picture(scene, sphereCamera(), side, side,
+                                             {.background = kBackground, .count = 600})) < 0.9);
+  }
+}
+
+TEST_CASE("only the columns that changed are uploaded, new colours as 4 bytes a point") {
+  Scene scene = sphere(1000, noisy);
+  SplatRenderer& renderer = studioOfAll().renderer;
+  const SplatColumns columns{scene.positions, scene.normals, scene.colours, scene.radii};
+  const auto drawn = [&] { return renderer.draw(sphereCamera(), 200, 200, {}).pixels; };
+  std::size_t before = renderer.uploadedBytes();
+  const auto uploaded = [&] {
+    const std::size_t now = renderer.uploadedBytes();
+    return now - std::exchange(before, now);
+  };
+  renderer.update(columns);
+  CHECK(uploaded() == 1000 * (12 + 4 + 4 + 4));
+  const auto first = drawn();
+  CHECK(uploaded() == 0);
+
+  for (vec3& c : scene.colours) c = vec3(1) - c;
+  renderer.recolour(scene.colours);
+  CHECK(uploaded() == 4000);
+  const auto recoloured = drawn();
+  renderer.update(columns);
+  CHECK(drawn() == recoloured);
+  CHECK(recoloured != first);
+  uploaded();
+
+  for (float& r : scene.radii) r *= 1.5f;
+  renderer.update(columns,
+                  {.positions = false, .normals = false, .colours = false, .texture = false});
+  CHECK(uploaded() == 4000);
+  const auto larger = drawn();
+  renderer.update(columns);
+  CHECK(drawn() == larger);
+  CHECK_THROWS_AS(renderer.recolour({vec3(0)}), Bug);
+  CHECK(takeGlMessages().empty());
+}
+
+TEST_CASE("a picture drawn into a framebuffer is the one that is read back, and touches no more") {
+  const Scene scene = sphere(2000, noisy);
+  const SplatOptions options{.shading = Shading::Studio, .background = vec3(0.2f), .samples = 2};
+  const Image wanted = picture(scene, sphereCamera(), 150, 120, options);
+  constexpr int kWide = 200, kHigh = 160, kLeft = 30, kLow = 25;
+  const GlTexture colour = makeTexture(GL_RGBA8, kWide, kHigh);
+  const GlFramebuffer framebuffer = makeFramebuffer(colour, nullptr);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+  glClearColor(1, 0, 1, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  studioOfAll().renderer.drawInto({framebuffer.id(), kLeft, kLow}, sphereCamera(), 150, 120,
+                                  options);
+  std::vector<std::uint8_t> bytes(4 * kWide * kHigh);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+  glReadPixels(0, 0, kWide, kHigh, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  int wrong = 0;
+  for (int y = 0; y < kHigh; ++y)
+    for (int x = 0; x < kWide; ++x) {
+      const int px = x - kLeft, py = 119 - (y - kLow);
+      const bool inside = px >= 0 && px < 150 && py >= 0 && py < 120;
+      const vec3 expected = inside ? at(wanted, px, py) : vec3(1, 0, 1);
+      for (int c = 0; c < 3; ++c)
+        wrong += bytes[static_cast<std::size_t>(4 * (y * kWide + x) + c)] !=
+                 static_cast<int>(std::lround(255 * expected[c]));
+    }
+  CHECK(wrong == 0);
+  CHECK(takeGlMessages().empty());
+}
+
+TEST_CASE_TEMPLATE("a splat leaves the picture without a jump", Drawn, ByGl, ByCpu) {
+  // Moved out by a tenth of a pixel at a time, of any size: it covers fewer and fewer pixels.
+  for (const float pixels : {2.f, 6.f, 20.f, 60.f, 400.f}) {
+    CAPTURE(pixels);
+    const float perPixel = 2.f / 64;
+    Scene scene;
+    scene.add({0, 0, 0}, {0, 0, 1}, vec3(0), 1);
+    scene.radii[0] = pixels * perPixel;
+    Camera camera{.eye = {0, 0, 50}, .target = {0, 0, 0}, .orthographicHeight = 2};
+    int last = 64 * 64;
+    const float step = std::max(0.1f, pixels / 100);
+    for (float out = 0; out < pixels + 3; out += step) {
+      scene.positions[0].x = 1 + out * perPixel;
+      const Image image = Drawn::picture(scene, camera, 64, 64);
+      int area = 0;
+      for (int k = 0; k < 64 * 64; ++k) area += covered(image, k % 64, k / 64);
+      REQUIRE(area <= last);
+      if (out > 0) REQUIRE(last - area <= (step + 1) * std::min(64.f, 2 * pixels));
+      if (out < pixels - 1.3f) REQUIRE(area > 0);
+      last = area;
+    }
+    CHECK(last == 0);
+  }
+}
+
+TEST_CASE("a disc reaching from before the eye to behind it is cut off where it should be") {
+  // The ground under the eye: all of the picture below the horizon and within the disc.
+  Scene scene;
+  scene.add({0, -1, 0}, {0, 1, 0}, vec3(0), 1);
+  scene.radii[0] = 20;
+  const Camera camera{.eye = {0, 0, 1}, .target = {0, 0, 0}, .verticalFov = 1};
+  const Image image = picture(scene, camera, 200, 200);
+  const float focal = 100 / std::tan(0.5f);
+  const float rim = 100 + focal / 21;  // the far rim lies 21 away, 1 below
+  int wrong = 0;
+  for (int x = 80; x < 120; ++x)
+    for (int y = 0; y < 200; ++y)
+      if (std::abs(y + 0.5f - rim) > 2) wrong += covered(image, x, y) != (y + 0.5f > rim);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a large disc turned to its edge shrinks to the low-pass as the processor's does") {
+  for (const float turned : {0.f, 1e-5f, 1e-3f, 0.01f, 0.03f, 0.1f})
+    for (const float angle : {0.f, 0.3f, 0.8f, 1.57f}) {
+      CAPTURE(turned);
+      CAPTURE(angle);
+      Scene scene;
+      scene.add({0.01f, 0, 0},
+                {std::cos(angle) * std::cos(turned), std::sin(angle) * std::cos(turned),
+                 std::sin(turned)},
+                vec3(0), 1);
+      scene.radii[0] = 0.6f;
+      const Camera camera{.eye = {0, 0, 50}, .target = {0, 0, 0}, .orthographicHeight = 2};
+      const auto areaOf = [](const Image& image) {
+        int area = 0;
+        for (int k = 0; k < 200 * 200; ++k) area += covered(image, k % 200, k / 200);
+        return area;
+      };
+      const int area = areaOf(picture(scene, camera, 200, 200));
+      const int wanted = areaOf(ByCpu::picture(scene, camera, 200, 200));
+      CHECK(area >= 3);
+      CHECK(std::abs(area - wanted) <= 12 + wanted / 50);
+    }
+}
+
+TEST_CASE("what lies behind a surface is left out without a trace") {
+  // A ball inside a ball, and the same ball alone: from outside they look the same.
+  Scene scene = sphere(20000, noisy);
+  const Image alone = picture(scene, sphereCamera(), 300, 300);
+  const Scene inner = sphere(20000, [](vec3) { return vec3(1, 0, 0); });
+  for (std::size_t i = 0; i < inner.positions.size(); ++i) {
+    scene.add(0.8f * inner.positions[i], i % 2 == 0 ? inner.normals[i] : -inner.normals[i],
+              vec3(1, 0, 0), 0.02f);
+  }
+  CHECK(picture(scene, sphereCamera(), 300, 300).pixels == alone.pixels);
 }

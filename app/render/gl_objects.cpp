@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <sstream>
 #include <stdexcept>
 
 #include "app/render/shader_sources.h"
@@ -35,6 +38,8 @@ std::string programLog(GLuint program) {
 GlShader compile(const GlStage& stage, std::span<const std::string_view> defines) {
   std::string source = "#version 330 core\n";
   for (std::string_view name : defines) source += fmt::format("#define {}\n", name);
+  std::istringstream shared(stage.shared);
+  for (std::string name; shared >> name;) source += shaderSource(name);
   source += "#line 1\n";  // so that the log names the file's own lines
   source += shaderSource(stage.name);
 
@@ -107,6 +112,15 @@ GlProgram::GlProgram(std::span<const GlStage> stages, std::span<const std::strin
   if (done != GL_TRUE)
     throw Bug(fmt::format("shaders/{} and its companions do not link:\n{}", stages.front().name,
                           programLog(id())));
+}
+
+bool isSoftwareGl() {
+  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  const std::string_view renderer = name != nullptr ? name : "";
+  constexpr std::array kNames{"llvmpipe", "softpipe", "swrast", "SwiftShader"};
+  return std::any_of(kNames.begin(), kNames.end(), [&](std::string_view software) {
+    return renderer.find(software) != std::string_view::npos;
+  });
 }
 
 GlTexture makeTexture(GLenum internalFormat, int width, int height) {

@@ -59,8 +59,9 @@ using GlTexture = GlObject<GlTextureTraits>;
 using GlFramebuffer = GlObject<GlFramebufferTraits>;
 
 struct GlStage {
-  GLenum type;       // GL_VERTEX_SHADER, ...
-  std::string name;  // a file of shaders/
+  GLenum type;         // GL_VERTEX_SHADER, ...
+  std::string name;    // a file of shaders/
+  std::string shared;  // files of shaders/ that come before it, separated by spaces
 };
 
 class GlProgram {
@@ -76,6 +77,9 @@ class GlProgram {
  private:
   GlObject<GlProgramTraits> program_;
 };
+
+// Whether a processor does the drawing (llvmpipe and the like) instead of graphics hardware.
+bool isSoftwareGl();
 
 // A texture of w x h texels without mip levels, read with texelFetch.
 GlTexture makeTexture(GLenum internalFormat, int width, int height);

@@ -1,281 +1,386 @@
 // Zwicker, Pfister, van Baar, Gross: Surface Splatting, 2001; Botsch, Hornung, Zwicker, Kobbelt:
 // High-Quality Surface Splatting on Today's GPUs, 2005. Departures:
 // - The low-pass is the smaller of the two distances (2005, section 4), not a convolution.
-// - Colours are mixed after shading (one accumulator instead of two): the light is at the eye and
-//   varies slowly, and the second accumulator costs 15 % on software GL.
+// - Colours are mixed after shading (one accumulator instead of two): the light moves with the eye
+//   and varies slowly, and the second accumulator costs 15 % on software GL.
+// - Small discs are point sprites whose image is an ellipse; large ones are squares in object
+//   space, exact in any perspective, whose depth needs no fragment's help.
+// - What earlier splats hide is not drawn at all where a processor does OpenGL's work.
 #include "app/render/splat_renderer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <optional>
+#include <span>
 
 #include "app/render/gl_objects.h"
+#include "app/render/splat_buffers.h"
+#include "app/render/splat_chunks.h"
 #include "base/errors.h"
+#include "base/simd.h"
 
 namespace dapple {
 namespace {
 
-constexpr int kTile = 2048;            // samples: 150 MB of textures, whatever the picture's size
-constexpr float kLargestSprite = 250;  // pixels; Mesa allows 255
+constexpr int kTile = 2048;  // samples: 150 MB of textures, whatever the picture's size
+// Samples, the radius of a chunk's largest splat.
+constexpr float kFlatUpTo = 3, kSpriteUpTo = 32;
 
-GlProgram splatProgram(bool sprites, bool visibility) {
-  std::vector<GlStage> stages{{GL_VERTEX_SHADER, "splat.vert"}, {GL_FRAGMENT_SHADER, "splat.frag"}};
-  if (!sprites) stages.push_back({GL_GEOMETRY_SHADER, "splat.geom"});
+// Sprites all of whose fragments are as deep as their centre, sprites that know their plane, and
+// squares in object space: the larger the slower, on software GL.
+enum Shape { kFlatSprites, kSprites, kDiscs, kShapes };
+
+struct Variant {
+  Shape shape;
+  bool visibility, textured;
+};
+
+GlProgram splatProgram(const Variant& variant) {
   std::vector<std::string_view> defines;
-  if (sprites) defines.push_back("SPRITES");
-  if (visibility) defines.push_back("VISIBILITY");
+  if (variant.visibility) defines.push_back("VISIBILITY");
+  if (variant.textured) defines.push_back("TEXTURED");
+  if (variant.shape == kSprites) defines.push_back("PLANE");
+  if (variant.shape != kDiscs) {
+    const GlStage stages[] = {{GL_VERTEX_SHADER, "sprite.vert", "light.glsl"},
+                              {GL_FRAGMENT_SHADER, "sprite.frag", "kernel.glsl"}};
+    return GlProgram(stages, defines);
+  }
+  const GlStage stages[] = {{GL_VERTEX_SHADER, "disc.vert", "light.glsl"},
+                            {GL_GEOMETRY_SHADER, "disc.geom", "light.glsl"},
+                            {GL_FRAGMENT_SHADER, "disc.frag", "kernel.glsl"}};
   return GlProgram(stages, defines);
 }
 
-GlProgram resolveProgram() {
-  const GlStage stages[] = {{GL_VERTEX_SHADER, "resolve.vert"},
-                            {GL_FRAGMENT_SHADER, "resolve.frag"}};
-  return GlProgram(stages, {});
-}
-
-template <typename T>
-void uploadColumn(GLuint attribute, const GlBuffer& buffer, const std::vector<T>& column) {
-  glBindBuffer(GL_ARRAY_BUFFER, buffer.id());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(column.size() * sizeof(T)), column.data(),
-               GL_DYNAMIC_DRAW);
-  glVertexAttribPointer(attribute, sizeof(T) / sizeof(float), GL_FLOAT, GL_FALSE, 0, nullptr);
-  glEnableVertexAttribArray(attribute);
-}
-
-GlTexture makeSwatchTexture(const Swatch& swatch) {
-  std::vector<std::uint8_t> bytes;
-  for (const vec3& c : swatch.colours())
-    for (int k = 0; k < 3; ++k)
-      bytes.push_back(static_cast<std::uint8_t>(std::clamp(c[k], 0.f, 1.f) * 255 + 0.5f));
-  GlTexture texture;
-  glBindTexture(GL_TEXTURE_2D, texture.id());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, swatch.width, swatch.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
-               bytes.data());
-  const GLint wrap = swatch.tileable ? GL_REPEAT : GL_CLAMP_TO_EDGE;
-  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, axis, wrap);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-  return texture;
+GlProgram resolveProgram(int samples) {
+  constexpr std::string_view kSamples[] = {"SAMPLES 1", "SAMPLES 2", "SAMPLES 3", "SAMPLES 4"};
+  const GlStage stages[] = {{GL_VERTEX_SHADER, "resolve.vert", ""},
+                            {GL_FRAGMENT_SHADER, "resolve.frag", ""}};
+  return GlProgram(stages, {kSamples + samples - 1, 1});
 }
 
 // The picture in samples, as the shaders see it.
 struct Frame {
-  glm::mat4 view;
-  glm::vec2 focal, centre, depthRange;
-  float lowPass;
-  bool sprites, orthographic;
+  SplatLens lens;
+  glm::vec2 centre;
   const SplatOptions& options;
+  std::size_t count = 0;  // points
+  std::vector<ChunkImage> images;
+  int tileWidth = 0, tileHeight = 0;  // pixels
 };
 
 struct Tile {
   int x, y, width, height;  // pixels, y upwards
 };
 
-// A texture pair to accumulate in and one to read from, for tiles of one size.
-struct Targets {
-  int width, height, samples;
-  GlTexture accumulated, depth, resolved;
-  GlFramebuffer splats, picture;
+// Where the samples of a tile are added up.
+struct Samples {
+  int width, height;
+  GlTexture accumulated, depth;
+  GlFramebuffer framebuffer;
 
-  Targets(int w, int h, int s)
+  Samples(int w, int h)
       : width(w),
         height(h),
-        samples(s),
-        accumulated(makeTexture(GL_RGBA32F, w * s, h * s)),
-        depth(makeTexture(GL_DEPTH_COMPONENT32F, w * s, h * s)),
-        resolved(makeTexture(GL_RGBA32F, w, h)),
-        splats(makeFramebuffer(accumulated, &depth)),
-        picture(makeFramebuffer(resolved, nullptr)) {}
+        accumulated(makeTexture(GL_RGBA32F, w, h)),
+        depth(makeTexture(GL_DEPTH_COMPONENT32F, w, h)),
+        framebuffer(makeFramebuffer(accumulated, &depth)) {}
 };
+
+// A picture to read back.
+struct Pixels {
+  int width, height;
+  GlTexture colour;
+  GlFramebuffer framebuffer;
+
+  Pixels(int w, int h)
+      : width(w),
+        height(h),
+        colour(makeTexture(GL_RGBA8, w, h)),
+        framebuffer(makeFramebuffer(colour, nullptr)) {}
+};
+
+// Ranges of points, each shape's.
+struct Ranges {
+  std::vector<GLint> first[kShapes];
+  std::vector<GLsizei> count[kShapes];
+
+  void add(Shape shape, std::size_t begin, std::size_t end) {
+    auto& firsts = first[shape];
+    auto& counts = count[shape];
+    if (!firsts.empty() && firsts.back() + counts.back() == static_cast<GLint>(begin)) {
+      counts.back() += static_cast<GLsizei>(end - begin);
+      return;
+    }
+    firsts.push_back(static_cast<GLint>(begin));
+    counts.push_back(static_cast<GLsizei>(end - begin));
+  }
+};
+
+Frame frameOf(const Camera& camera, int width, int height, const SplatOptions& options) {
+  const auto high = static_cast<float>(height * options.samples);
+  Frame frame{.lens = {.view = viewMatrix(camera),
+                       .orthographic = camera.orthographicHeight > 0,
+                       .nearest = camera.nearPlane,
+                       .farthest = camera.farPlane,
+                       .lowPass = options.lowPass * static_cast<float>(options.samples),
+                       .enlarge = options.enlarge},
+              .centre = 0.5f * static_cast<float>(options.samples) * glm::vec2(width, height),
+              .options = options};
+  frame.lens.focal = frame.lens.orthographic ? high / camera.orthographicHeight
+                                             : 0.5f * high / std::tan(0.5f * camera.verticalFov);
+  return frame;
+}
+
+Shape shapeOf(const ChunkImage& image, float lowPass) {
+  if (std::max(image.radius, lowPass) > kSpriteUpTo) return kDiscs;
+  return image.radius > kFlatUpTo ? kSprites : kFlatSprites;
+}
+
+// draw(tile) for each tile of the picture.
+template <class Draw>
+void forTiles(const Frame& frame, int width, int height, const Draw& draw) {
+  for (int y = 0; y < height; y += frame.tileHeight)
+    for (int x = 0; x < width; x += frame.tileWidth)
+      draw(
+          Tile{x, y, std::min(frame.tileWidth, width - x), std::min(frame.tileHeight, height - y)});
+}
+
+void unbindAll() {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+DAPPLE_CLONES void toFloats(std::span<const std::uint8_t> bytes, float* out) {
+  for (std::size_t k = 0; k < bytes.size(); ++k) out[k] = static_cast<float>(bytes[k]) / 255;
+}
 
 }  // namespace
 
 struct SplatRenderer::Pipeline {
-  // [sprites][visibility]
-  GlProgram splats[2][2] = {{splatProgram(false, false), splatProgram(false, true)},
-                            {splatProgram(true, false), splatProgram(true, true)}};
-  GlProgram resolve = resolveProgram();
-  GlVertexArray points, nothing;
-  GlBuffer positions, normals, colours, radii, texels, swatchS, swatchT;
-  std::optional<GlTexture> swatch;
-  glm::vec2 swatchSize{1};  // pixels
-  float longestStep = 0;
-  std::unique_ptr<Targets> targets;
-  GLsizei count = 0;
-  Bounds bounds;
-  float largestRadius = 0;
-  float largestSprite = 0;
+  // [shape][visibility][textured], compiled when first needed.
+  std::optional<GlProgram> splats[kShapes][2][2];
+  std::optional<GlProgram> resolves[4];  // by the samples along a pixel's side, less one
+  GlVertexArray nothing;
+  SplatBuffers buffers;
+  std::vector<SplatChunk> chunks;
+  std::size_t count = 0;
+  std::optional<Samples> samples;
+  std::optional<Pixels> pixels;
+  bool software = isSoftwareGl();
+  std::vector<float> depths;  // kept for its memory
+  DepthPyramid pyramid;
 
-  void setTexture(const SplatTexture* texture, std::size_t pointCount);
-  bool fitSprites(const Camera& camera, float focal) const;
-  void drawSplats(const Frame& frame, const Tile& tile, bool visibility) const;
+  const GlProgram& program(const Variant& variant);
+  void setUniforms(const GlProgram& program, const Frame& frame, const Tile& tile, Shape shape);
+  void drawRanges(const Ranges& ranges, const Frame& frame, const Tile& tile, bool visibility);
   void drawTile(const Frame& frame, const Tile& tile);
+  void resolveTile(const Frame& frame, const Tile& tile, const SplatTarget& target);
+  Frame prepare(const Camera& camera, int width, int height, const SplatOptions& options);
 };
 
-// Needs the points' vertex array.
-void SplatRenderer::Pipeline::setTexture(const SplatTexture* texture, std::size_t pointCount) {
-  swatch.reset();
-  for (const GLuint attribute : {4u, 5u, 6u}) glDisableVertexAttribArray(attribute);
-  if (!texture) return;
-  DAPPLE_CHECK(texture->texel.size(), ==, pointCount);
-  DAPPLE_CHECK(texture->frame.size(), ==, pointCount);
-  std::vector<vec3> s(pointCount), t(pointCount);
-  for (std::size_t i = 0; i < pointCount; ++i) {
-    s[i] = texture->frame[i].s / texture->scale;
-    t[i] = texture->frame[i].t / texture->scale;
-  }
-  uploadColumn(4, texels, texture->texel);
-  uploadColumn(5, swatchS, s);
-  uploadColumn(6, swatchT, t);
-  swatch = makeSwatchTexture(texture->swatch);
-  swatchSize = {texture->swatch.width, texture->swatch.height};
-  longestStep = texture->longestStep;
+const GlProgram& SplatRenderer::Pipeline::program(const Variant& variant) {
+  auto& slot = splats[variant.shape][variant.visibility][variant.textured];
+  if (!slot) slot = splatProgram(variant);
+  return *slot;
 }
 
-// Sprites are quicker than quads, but only up to the driver's largest size.
-bool SplatRenderer::Pipeline::fitSprites(const Camera& camera, float focal) const {
-  if (camera.orthographicHeight > 0) return 2 * largestRadius * focal < largestSprite;
-  const vec3 forward = glm::normalize(camera.target - camera.eye);
-  const vec3 nearest = glm::mix(bounds.low, bounds.high, glm::lessThan(forward, vec3(0)));
-  const float depth = glm::dot(nearest - camera.eye, forward) - largestRadius;
-  // Off the axis a disc's image is longer by the square of the ray's length at most.
-  const vec2 corner = 1.2f * vec2(std::tan(0.5f * camera.verticalFov));
-  const float stretch = 1 + glm::dot(corner, corner) * 4;
-  return depth > 0 && 2 * largestRadius * stretch * focal / depth < largestSprite;
-}
-
-void SplatRenderer::Pipeline::drawSplats(const Frame& frame, const Tile& tile,
-                                         bool visibility) const {
-  const GlProgram& program = splats[frame.sprites][visibility];
-  const int samples = frame.options.samples;
+void SplatRenderer::Pipeline::setUniforms(const GlProgram& program, const Frame& frame,
+                                          const Tile& tile, Shape shape) {
+  const SplatLens& lens = frame.lens;
+  const int perPixel = frame.options.samples;
   // From the view axis, so that no rounding depends on the picture's size.
-  const glm::vec2 origin = glm::vec2(tile.x * samples, tile.y * samples) - frame.centre;
-  const glm::vec2 size(tile.width * samples, tile.height * samples);
+  const glm::vec2 origin = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
+  const glm::vec2 size(tile.width * perPixel, tile.height * perPixel);
   // A sprite goes with its centre: the viewport reaches beyond the tile by half the largest one.
-  const float guard = frame.sprites ? std::ceil(0.5f * largestSprite) : 0.f;
+  const float guard = shape == kDiscs ? 0.f : std::ceil(kSpriteUpTo) + 2;
   const glm::vec4 viewport(origin - guard, size + 2 * guard);
-
   glViewport(static_cast<GLint>(-guard), static_cast<GLint>(-guard),
              static_cast<GLsizei>(viewport.z), static_cast<GLsizei>(viewport.w));
-  glUseProgram(program.id());
-  glUniformMatrix4fv(program.uniform("localToView"), 1, GL_FALSE, glm::value_ptr(frame.view));
-  glUniform2fv(program.uniform("focal"), 1, glm::value_ptr(frame.focal));
-  glUniform1i(program.uniform("orthographic"), frame.orthographic ? 1 : 0);
+  glUniformMatrix4fv(program.uniform("localToView"), 1, GL_FALSE, glm::value_ptr(lens.view));
+  glUniform2f(program.uniform("focal"), lens.focal, lens.focal);
+  glUniform1i(program.uniform("orthographic"), lens.orthographic ? 1 : 0);
   glUniform4fv(program.uniform("viewport"), 1, glm::value_ptr(viewport));
   glUniform2fv(program.uniform("tileOrigin"), 1, glm::value_ptr(origin));
-  glUniform2fv(program.uniform("depthRange"), 1, glm::value_ptr(frame.depthRange));
-  glUniform1f(program.uniform("lowPass"), frame.lowPass);
-  glUniform1i(program.uniform("headlight"), frame.options.shading == Shading::Off ? 0 : 1);
-  glUniform1f(program.uniform("longestStep"), swatch ? longestStep : -1.f);
+  glUniform2f(program.uniform("depthRange"), lens.nearest, lens.farthest);
+  glUniform1f(program.uniform("lowPass"), lens.lowPass);
+  glUniform1f(program.uniform("perLowPass2"), 1 / (lens.lowPass * lens.lowPass));
+  glUniform1i(program.uniform("shading"), static_cast<int>(frame.options.shading));
+  glUniform1f(program.uniform("enlarge"), lens.enlarge);
+  glUniform1f(program.uniform("longestStep"), buffers.longestStep());
   glUniform1i(program.uniform("swatch"), 0);
-  glUniform2fv(program.uniform("swatchSize"), 1, glm::value_ptr(swatchSize));
-  if (swatch) glBindTexture(GL_TEXTURE_2D, swatch->id());
-  glDrawArrays(GL_POINTS, 0, count);
+  const glm::vec2 perSize = 1.f / buffers.swatchSize();
+  glUniform2fv(program.uniform("perSwatchSize"), 1, glm::value_ptr(perSize));
+}
+
+void SplatRenderer::Pipeline::drawRanges(const Ranges& ranges, const Frame& frame, const Tile& tile,
+                                         bool visibility) {
+  for (const Shape shape : {kFlatSprites, kSprites, kDiscs}) {
+    if (ranges.first[shape].empty()) continue;
+    const bool textured = buffers.swatch().has_value() && !visibility;
+    const GlProgram& used = program({shape, visibility, textured});
+    glUseProgram(used.id());
+    setUniforms(used, frame, tile, shape);
+    if (textured) glBindTexture(GL_TEXTURE_2D, buffers.swatch()->id());
+    glMultiDrawArrays(GL_POINTS, ranges.first[shape].data(), ranges.count[shape].data(),
+                      static_cast<GLsizei>(ranges.first[shape].size()));
+  }
 }
 
 void SplatRenderer::Pipeline::drawTile(const Frame& frame, const Tile& tile) {
+  const int perPixel = frame.options.samples;
+  const int wide = tile.width * perPixel, high = tile.height * perPixel;
+  const glm::vec2 origin = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
+  std::vector<std::size_t> seen;
+  for (std::size_t k = 0; k < frame.images.size(); ++k) {
+    const ChunkImage& image = frame.images[k];
+    if (image.drawn && image.box.high.x >= origin.x && image.box.high.y >= origin.y &&
+        image.box.low.x <= origin.x + wide && image.box.low.y <= origin.y + high)
+      seen.push_back(k);
+  }
+  const auto add = [&](Ranges& ranges, std::size_t k) {
+    const std::size_t begin = k * SplatChunk::kPoints;
+    ranges.add(shapeOf(frame.images[k], frame.lens.lowPass), begin,
+               std::min(frame.count, begin + SplatChunk::kPoints));
+  };
+
   // 1. Visibility: the nearest surface, moved back so that all splats of one surface pass.
-  glBindFramebuffer(GL_FRAMEBUFFER, targets->splats.id());
-  glBindVertexArray(points.id());
+  glBindFramebuffer(GL_FRAMEBUFFER, samples->framebuffer.id());
+  glBindVertexArray(buffers.array());
   glEnable(GL_PROGRAM_POINT_SIZE);
   glEnable(GL_DEPTH_TEST);
+  glEnable(GL_DEPTH_CLAMP);  // discs reach before the near plane
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClearDepth(1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  drawSplats(frame, tile, true);
+  Ranges facing, away, all;
+  for (const std::size_t k : seen)
+    if (!software || !frame.images[k].away) add(facing, k);
+  drawRanges(facing, frame, tile, true);
+  if (software) {
+    depths.resize(static_cast<std::size_t>(wide) * high);
+    glReadPixels(0, 0, wide, high, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+    pyramid.build(depths, wide, high);
+    const float perDepth = 1 / (frame.lens.farthest - frame.lens.nearest);
+    std::erase_if(seen, [&](std::size_t k) {
+      const ChunkImage& image = frame.images[k];
+      return pyramid.hides({image.box.low - origin, image.box.high - origin},
+                           (image.nearest - frame.lens.nearest) * perDepth);
+    });
+    for (const std::size_t k : seen)
+      if (frame.images[k].away) add(away, k);
+    drawRanges(away, frame, tile, true);
+  }
 
   // 2. Accumulation of what lies in front of that.
+  for (const std::size_t k : seen) add(all, k);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE);
-  drawSplats(frame, tile, false);
+  drawRanges(all, frame, tile, false);
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
+  glDisable(GL_DEPTH_CLAMP);
+  glDisable(GL_PROGRAM_POINT_SIZE);
   glDepthMask(GL_TRUE);
+}
 
-  // 3. Normalisation.
-  glBindFramebuffer(GL_FRAMEBUFFER, targets->picture.id());
+// 3. Normalisation.
+void SplatRenderer::Pipeline::resolveTile(const Frame& frame, const Tile& tile,
+                                          const SplatTarget& target) {
+  std::optional<GlProgram>& resolve = resolves[frame.options.samples - 1];
+  if (!resolve) resolve = resolveProgram(frame.options.samples);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glBindVertexArray(nothing.id());
-  glViewport(0, 0, tile.width, tile.height);
-  glUseProgram(resolve.id());
-  glBindTexture(GL_TEXTURE_2D, targets->accumulated.id());
-  glUniform1i(resolve.uniform("accumulated"), 0);
-  glUniform1i(resolve.uniform("samples"), frame.options.samples);
-  glUniform3fv(resolve.uniform("background"), 1, glm::value_ptr(frame.options.background));
+  glViewport(target.x, target.y, tile.width, tile.height);
+  glUseProgram(resolve->id());
+  glBindTexture(GL_TEXTURE_2D, samples->accumulated.id());
+  glUniform1i(resolve->uniform("accumulated"), 0);
+  glUniform2f(resolve->uniform("size"), static_cast<float>(tile.width),
+              static_cast<float>(tile.height));
+  glUniform3fv(resolve->uniform("background"), 1, glm::value_ptr(frame.options.background));
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-SplatRenderer::SplatRenderer() : pipeline_(std::make_unique<Pipeline>()) {
-  GLfloat sizes[2] = {1, 1};
-  glGetFloatv(GL_POINT_SIZE_RANGE, sizes);
-  pipeline_->largestSprite = std::min(sizes[1], kLargestSprite);
-}
-
+SplatRenderer::SplatRenderer() : pipeline_(std::make_unique<Pipeline>()) {}
 SplatRenderer::~SplatRenderer() = default;
 
-void SplatRenderer::update(const SplatColumns& columns) {
+void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& changes) {
   const std::size_t n = columns.positions.size();
   DAPPLE_CHECK(columns.normals.size(), ==, n);
   DAPPLE_CHECK(columns.colours.size(), ==, n);
   DAPPLE_CHECK(columns.radii.size(), ==, n);
-
   Pipeline& p = *pipeline_;
-  glBindVertexArray(p.points.id());
-  uploadColumn(0, p.positions, columns.positions);
-  uploadColumn(1, p.normals, columns.normals);
-  uploadColumn(2, p.colours, columns.colours);
-  uploadColumn(3, p.radii, columns.radii);
-  p.setTexture(columns.texture, n);
+  if (changes.positions) p.buffers.setPositions(columns.positions);
+  if (changes.normals) p.buffers.setNormals(columns.normals);
+  if (changes.colours) p.buffers.setColours(columns.colours);
+  if (changes.radii) p.buffers.setRadii(columns.radii);
+  if (changes.texture) p.buffers.setTexture(columns.texture);
+  if (changes.positions || changes.normals || changes.radii) p.chunks = splatChunks(columns);
+  p.count = n;
   glBindVertexArray(0);
-  p.count = static_cast<GLsizei>(n);
-  p.bounds = boundsOf(columns.positions);
-  p.largestRadius = n == 0 ? 0 : *std::max_element(columns.radii.begin(), columns.radii.end());
+}
+
+void SplatRenderer::recolour(const std::vector<vec3>& colours) {
+  DAPPLE_CHECK(colours.size(), ==, pipeline_->count);
+  pipeline_->buffers.setColours(colours);
+  glBindVertexArray(0);
+}
+
+std::size_t SplatRenderer::uploadedBytes() const {
+  return pipeline_->buffers.uploadedBytes();
+}
+
+Frame SplatRenderer::Pipeline::prepare(const Camera& camera, int width, int height,
+                                       const SplatOptions& options) {
+  validate(width, height, options);
+  Frame frame = frameOf(camera, width, height, options);
+  frame.count = std::min(options.count, count);
+  for (std::size_t k = 0; k * SplatChunk::kPoints < frame.count; ++k)
+    frame.images.push_back(chunkImage(chunks[k], frame.lens));
+  const int side = kTile / options.samples;
+  frame.tileWidth = std::min(width, side), frame.tileHeight = std::min(height, side);
+  const int across = frame.tileWidth * options.samples, up = frame.tileHeight * options.samples;
+  if (!samples || samples->width != across || samples->height != up) {
+    samples.reset();  // first its memory
+    samples.emplace(across, up);
+  }
+  return frame;
+}
+
+void SplatRenderer::drawInto(const SplatTarget& target, const Camera& camera, int width, int height,
+                             const SplatOptions& options) {
+  const Frame frame = pipeline_->prepare(camera, width, height, options);
+  forTiles(frame, width, height, [&](const Tile& tile) {
+    pipeline_->drawTile(frame, tile);
+    pipeline_->resolveTile(frame, tile, {target.framebuffer, target.x + tile.x, target.y + tile.y});
+  });
+  unbindAll();
 }
 
 Image SplatRenderer::draw(const Camera& camera, int width, int height,
                           const SplatOptions& options) {
-  validate(width, height, options);
   Pipeline& p = *pipeline_;
-  const int samples = options.samples;
-  const bool orthographic = camera.orthographicHeight > 0;
-  const float focal = orthographic ? height * samples / camera.orthographicHeight
-                                   : 0.5f * height * samples / std::tan(0.5f * camera.verticalFov);
-  const Frame frame{.view = viewMatrix(camera),
-                    .focal = {focal, focal},
-                    .centre = 0.5f * samples * glm::vec2(width, height),
-                    .depthRange = {camera.nearPlane, camera.farPlane},
-                    .lowPass = options.lowPass * samples,
-                    .sprites = p.fitSprites(camera, focal),
-                    .orthographic = orthographic,
-                    .options = options};
-
-  const int side = kTile / samples;
-  const int tileWidth = std::min(width, side), tileHeight = std::min(height, side);
-  if (p.targets == nullptr || p.targets->width != tileWidth || p.targets->height != tileHeight ||
-      p.targets->samples != samples)
-    p.targets = std::make_unique<Targets>(tileWidth, tileHeight, samples);
-
+  const Frame frame = p.prepare(camera, width, height, options);
+  if (!p.pixels || p.pixels->width != frame.tileWidth || p.pixels->height != frame.tileHeight)
+    p.pixels.emplace(frame.tileWidth, frame.tileHeight);
   Image picture{width, height, 4, std::vector<float>(std::size_t{4} * width * height)};
-  std::vector<float> read(std::size_t{4} * tileWidth * tileHeight);
-  for (int y = 0; y < height; y += tileHeight)
-    for (int x = 0; x < width; x += tileWidth) {
-      const Tile tile{x, y, std::min(tileWidth, width - x), std::min(tileHeight, height - y)};
-      p.drawTile(frame, tile);
-      glReadPixels(0, 0, tile.width, tile.height, GL_RGBA, GL_FLOAT, read.data());
-      for (int row = 0; row < tile.height; ++row)  // OpenGL's lowest row comes first
-        std::copy_n(read.data() + std::size_t{4} * row * tile.width, std::size_t{4} * tile.width,
-                    &picture.at(x, height - 1 - (y + row), 0));
-    }
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glBindVertexArray(0);
-  glUseProgram(0);
+  std::vector<std::uint8_t> read(std::size_t{4} * frame.tileWidth * frame.tileHeight);
+  forTiles(frame, width, height, [&](const Tile& tile) {
+    p.drawTile(frame, tile);
+    p.resolveTile(frame, tile, {p.pixels->framebuffer.id(), 0, 0});
+    glReadPixels(0, 0, tile.width, tile.height, GL_RGBA, GL_UNSIGNED_BYTE, read.data());
+    const std::size_t row = std::size_t{4} * tile.width;
+    for (int y = 0; y < tile.height; ++y)  // OpenGL's lowest row comes first
+      toFloats({read.data() + y * row, row}, &picture.at(tile.x, height - 1 - (tile.y + y), 0));
+  });
+  unbindAll();
   return picture;
 }
 
