@@ -108,7 +108,7 @@ TEST_CASE("the oldest steps go when the memory for undo is used up, the present 
   CHECK(history.document().selection->points() == std::vector<Index>{89});
   CHECK_THROWS_AS(history.undo(), InvalidInput);
   EditHistory poor(d, "Open", 0);
-  poor.push("Select", applied(d, Select{.points = {5}}));
+  for (const Index i : {4u, 5u}) poor.push("Select", applied(d, Select{.points = {i}}));
   CHECK(poor.size() == 1);
   CHECK(poor.document().selection->has(5));
 }

@@ -110,8 +110,12 @@ Change segmented(const Document& document, const SegmentAutomatically& command, 
 void exportScan(const Document& document, const ExportScan& command, Monitor& monitor) {
   needScan(document);
   checkPlyName(command.path);
-  const RecordTable table =
-      texturedTable(document.scan->prepared.scan, wholeMap(document), command.options);
+  const SourceMap map = wholeMap(document);
+  RecordTable table =
+      texturedTable(document.scan->prepared.scan, map, command.options, *document.results.source);
+  for (std::size_t s = 0; s < document.results.sources.size(); ++s)
+    table.comments.push_back(
+        fmt::format("dapple swatch {} {}", s, document.results.sources[s]->reference.path));
   monitor.begin(Stage::Save, document.size());
   savePly(command.path, table, command.ascii, monitor);
 }

@@ -107,8 +107,8 @@ struct Engine::Core {
           return true;
         };
         wake.wait(lock, ready);
-        if (reason == Wake::NewCommand)
-          head = std::move(queue.front()), queue.pop_front(), handling = true;
+        handling = true;
+        if (reason == Wake::NewCommand) head = std::move(queue.front()), queue.pop_front();
       }
       if (reason == Wake::Quit) return;
       if (reason == Wake::JobDone) endJob();
@@ -337,7 +337,7 @@ struct Engine::Core {
   // Under `mutex`. The engine thread alone changes `job` and may read it without.
   std::deque<Command> queue;
   bool quit = false, jobDone = false;
-  bool handling = false;  // the engine thread has a command in hand
+  bool handling = false;  // the engine thread works, or has a command that waits for the job
   std::unique_ptr<Job> job;
   std::shared_ptr<const Snapshot> current;
   EngineStatus status;
@@ -364,7 +364,7 @@ EngineStatus Engine::status() const {
   const std::lock_guard lock(core_->mutex);
   EngineStatus status = core_->status;
   status.busy = core_->busy();
-  status.waiting = core_->queue.size() + (core_->handling ? 1 : 0);
+  status.waiting = core_->queue.size() + (core_->handling && core_->job ? 1 : 0);
   return status;
 }
 

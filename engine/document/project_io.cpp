@@ -280,8 +280,9 @@ json regionJson(const Region& region, const fs::path& project) {
 
 Region regionOf(const json& from, const fs::path& project) {
   Region region;
-  const unsigned id = from.at("id");
-  if (id >= kMostRegions) throw InvalidInput(fmt::format("a region has the id {}", id));
+  const std::int64_t id = from.at("id");
+  if (id < 0 || id >= static_cast<std::int64_t>(kMostRegions))
+    throw InvalidInput(fmt::format("a region has the id {}", id));
   region.id = static_cast<RegionId>(id);
   region.name = from.at("name");
   for (int c = 0; c < 3; ++c) region.colour[c] = from.at("colour").at(static_cast<std::size_t>(c));
@@ -353,6 +354,16 @@ json readSettings(const RecordTable& table, const std::string& file) {
 
 // ---- putting together ----------------------------------------------------------------------
 
+// What a reader of settings refuses, with the file that they are in.
+template <class T>
+T checked(const std::string& file, T (*read)(const json&, const fs::path&), const json& from) {
+  try {
+    return read(from, file);
+  } catch (const InvalidInput& error) {
+    refuse(file, error.what());
+  }
+}
+
 std::shared_ptr<const OpenedScan> reopened(const json& from, const OpenProject& command,
                                            Monitor& monitor) {
   std::vector<fs::path> places = placesOf(from, command.path);
@@ -385,7 +396,7 @@ Column<Region> readRegions(const json& settings, const OpenProject& command,
   std::vector<Region> regions;
   std::array<bool, 256> taken{};
   for (const json& from : settings.at("regions")) {
-    Region region = regionOf(from, command.path);
+    Region region = checked(command.path, regionOf, from);
     if (std::exchange(taken[region.id], true))
       refuse(command.path, fmt::format("two regions have the id {}", region.id));
     if (!region.reference.path.empty()) try {
@@ -461,7 +472,7 @@ Results readResults(const json& settings, const RecordTable& table, const Docume
   const Columns points(file, table, "point");
   if (!points.has("source")) return results;
   std::vector<ResultSource> sources;
-  for (const json& from : settings.at("sources")) sources.push_back(sourceOf(from, file));
+  for (const json& from : settings.at("sources")) sources.push_back(checked(file, sourceOf, from));
   readBlends(Columns(file, table, "blend"), sources, points.count(), file);
   for (ResultSource& source : sources) {
     source.swatch = swatchOf(source, *document.regions);

@@ -1,4 +1,4 @@
-// The columns: swatch (int, 0: the only one; -1: none), texel_x texel_y (float, swatch pixels, y
+// The columns: swatch (int, a number each; -1: none), texel_x texel_y (float, swatch pixels, y
 // down), frame_sx ... frame_tz (float: the swatch's axes to the right and up, model directions),
 // patch (int, -1: none), state (uchar: 0 free, 1 patch, 2 gap, 3 matched), error (float), order
 // (int, -1: never decided); read only: region (any integer, -1: none). The comment: "dapple unit
@@ -39,8 +39,12 @@ void renameColours(Element& vertices) {
       if (property.name == name) property.name = std::string("original_") + name;
 }
 
-void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map) {
-  addColumn<std::int32_t>(vertices, scan, "swatch", -1, [](Index) { return 0; });
+void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map,
+                  std::span<const std::uint16_t> source) {
+  addColumn<std::int32_t>(vertices, scan, "swatch", -1, [&](Index i) {
+    if (source.empty()) return 0;
+    return source[i] == 0xffff ? -1 : static_cast<int>(source[i]);
+  });
   addColumn<float>(vertices, scan, "texel_x", 0, [&](Index i) { return map.texel[i].x; });
   addColumn<float>(vertices, scan, "texel_y", 0, [&](Index i) { return map.texel[i].y; });
   for (int c = 0; c < 6; ++c)
@@ -71,7 +75,8 @@ Index idOf(double value) {
 
 }  // namespace
 
-RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOptions& options) {
+RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOptions& options,
+                          std::span<const std::uint16_t> source) {
   RecordTable table = scan.table;
   Element* vertices = table.find("vertex");
   DAPPLE_CHECK(vertices != nullptr, ==, true);
@@ -82,7 +87,7 @@ RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOp
                               const float level = std::clamp(map.colour[i][c], 0.f, 1.f);
                               return static_cast<std::uint8_t>(std::lround(level * 255));
                             });
-  if (options.sourceMap) addSourceMap(*vertices, scan, map);
+  if (options.sourceMap) addSourceMap(*vertices, scan, map, source);
   std::erase_if(table.comments,
                 [](const std::string& line) { return line.starts_with(kUnitComment); });
   table.comments.push_back(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "io/point_io.h"
 #include "synthesis/source_map.h"
@@ -15,7 +16,9 @@ struct ExportOptions {
 
 // scan.table with the result's colours (red green blue, 8 bits) and the unit in a comment. Records
 // that were set aside are black when they have no position, else coloured as their twin.
-RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOptions& options);
+// `source` (n): what the swatch column says of each point; empty: 0.
+RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOptions& options,
+                          std::span<const std::uint16_t> source = {});
 
 // What a file that texturedTable() wrote says of the scale: local units per swatch pixel.
 std::optional<float> readUnit(const Scan& scan);

@@ -85,7 +85,6 @@ class Segmenter {
           lengths_[i * links_ + c] = graph_.neighborhoods.distancesOf(i)[c] + extent * cost;
         }
     });
-    step_ = std::max(static_cast<float>(meanSpacing(graph_.neighborhoods)), extent * 1e-4f);
   }
 
   void findScraps() {
@@ -105,7 +104,7 @@ class Segmenter {
   // Each the furthest from all before; what nothing has reached yet is furthest.
   std::vector<Index> farthestPoints() {
     std::vector<Index> out;
-    SurfaceWays ways(graph_.neighborhoods, lengths_, step_);
+    SurfaceWays ways(graph_, &lengths_);
     while (out.size() < parts_) {
       Index next = kNone;
       for (Index i = 0; i < scrap_.size(); ++i)
@@ -119,7 +118,7 @@ class Segmenter {
   }
 
   Parts partsOf(const std::vector<Index>& medoids) {
-    SurfaceWays ways(graph_.neighborhoods, lengths_, step_);
+    SurfaceWays ways(graph_, &lengths_);
     for (std::size_t m = 0; m < medoids.size(); ++m) ways.add(medoids[m], static_cast<Index>(m));
     ways.run(std::numeric_limits<float>::infinity(), monitor_);
     Parts parts{.medoids = medoids, .label = ways.labels()};
@@ -169,7 +168,6 @@ class Segmenter {
   Monitor& monitor_;
   const std::size_t links_;
   const std::size_t parts_;
-  float step_ = 1;
   std::vector<float> lengths_;
   std::vector<std::uint8_t> scrap_;  // n: of a piece too small to be a part
 };

@@ -13,6 +13,7 @@ constexpr std::size_t kLinks = 12;
 constexpr std::size_t kGrain = 8192;
 constexpr std::size_t kCheckpointEvery = 4096;
 constexpr std::size_t kMostBuckets = 1 << 16;  // what lies further shares the last one
+constexpr float kStep = 0.3f;                  // mean spacings: little is entered twice
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
 }  // namespace
@@ -21,16 +22,21 @@ std::size_t linksOf(const Neighborhoods& neighborhoods) {
   return std::min(kLinks, neighborhoods.k);
 }
 
-SurfaceWays::SurfaceWays(const Neighborhoods& neighborhoods, const std::vector<float>& lengths,
-                         float step)
-    : neighborhoods_(neighborhoods),
+SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>* lengths)
+    : graph_(graph),
       lengths_(lengths),
-      links_(linksOf(neighborhoods)),
-      step_(step),
-      distance_(neighborhoods.size(), kUnreached),
-      label_(neighborhoods.size(), kNone) {
-  DAPPLE_CHECK(lengths.size(), ==, neighborhoods.size() * links_);
-  DAPPLE_CHECK(step, >, 0.f);
+      links_(linksOf(graph.neighborhoods)),
+      distance_(graph.points.size(), kUnreached),
+      label_(graph.points.size(), kNone) {
+  if (lengths) DAPPLE_CHECK(lengths->size(), ==, graph.points.size() * links_);
+  step_ = std::max(kStep * static_cast<float>(meanSpacing(graph.neighborhoods)), 1e-9f);
+}
+
+float SurfaceWays::length(std::size_t i, std::size_t link) const {
+  if (lengths_) return (*lengths_)[i * links_ + link];
+  const std::vector<vec3>& normals = graph_.points.normals;
+  const bool facing = glm::dot(normals[i], normals[graph_.neighborhoods.of(i)[link]]) > 0;
+  return facing ? graph_.neighborhoods.distancesOf(i)[link] : kUnreached;
 }
 
 void SurfaceWays::add(Index source, Index label) {
@@ -65,35 +71,38 @@ void SurfaceWays::drain(float limit, Monitor& monitor) {
         if (std::min(base / step_, static_cast<float>(kMostBuckets - 1)) <
             static_cast<float>(bucket))
           continue;
-        const Index* ids = neighborhoods_.of(i).data();
-        const float* lengths = lengths_.data() + i * links_;
         for (std::size_t c = 0; c < links_; ++c) {
-          const float distance = base + lengths[c];
-          if (lengths[c] >= 0 && distance <= limit) enter(ids[c], distance, label_[i]);
+          const float distance = base + length(i, c);
+          if (distance <= limit && distance < kUnreached)
+            enter(graph_.neighborhoods.of(i)[c], distance, label_[i]);
         }
       }
     }
 }
 
-// Neighbours are not mutual: a point may have a link to one that has none back.
 bool SurfaceWays::followLinksOfOthers(float limit, Monitor& monitor) {
   const std::size_t n = distance_.size();
-  std::vector<float> shorter(n, kUnreached);
-  std::vector<Index> label(n, kNone);
+  PointMask reachable(n);
+  const auto nearest = [&](std::size_t i) {
+    std::pair<float, Index> best{kUnreached, kNone};
+    for (std::size_t c = 0; c < links_; ++c) {
+      const Index j = graph_.neighborhoods.of(i)[c];
+      if (distance_[j] == kUnreached) continue;
+      const float distance = distance_[j] + length(i, c);
+      if (distance <= limit && distance < kUnreached)
+        best = std::min(best, std::pair(distance, label_[j]));
+    }
+    return best;
+  };
   parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t c = 0; c < links_; ++c) {
-        const float length = lengths_[i * links_ + c];
-        const Index j = neighborhoods_.of(i)[c];
-        const float distance = distance_[j] + length;
-        if (length < 0 || distance > limit) continue;
-        if (distance < shorter[i] || (distance == shorter[i] && label_[j] < label[i]))
-          shorter[i] = distance, label[i] = label_[j];
-      }
+      if (distance_[i] == kUnreached && nearest(i).second != kNone) reachable.add(i);
   });
-  for (std::size_t i = 0; i < n; ++i)
-    if (label[i] != kNone) enter(static_cast<Index>(i), shorter[i], label[i]);
-  return first_ < buckets_.size();
+  const std::vector<Index> points = reachable.points();
+  std::vector<std::pair<float, Index>> ways;
+  for (const Index i : points) ways.push_back(nearest(i));  // before any of them counts
+  for (std::size_t p = 0; p < points.size(); ++p) enter(points[p], ways[p].first, ways[p].second);
+  return !points.empty();
 }
 
 void SurfaceWays::run(float limit, Monitor& monitor) {
@@ -104,20 +113,9 @@ void SurfaceWays::run(float limit, Monitor& monitor) {
 
 std::vector<float> surfaceDistances(const PointGraph& graph, std::span<const Index> seeds,
                                     float limit, Monitor& monitor) {
-  const std::size_t n = graph.points.size(), links = linksOf(graph.neighborhoods);
-  std::vector<float> lengths(n * links);
-  parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t c = 0; c < links; ++c) {
-        const Index j = graph.neighborhoods.of(i)[c];
-        const bool facing = glm::dot(graph.points.normals[i], graph.points.normals[j]) > 0;
-        lengths[i * links + c] = facing ? graph.neighborhoods.distancesOf(i)[c] : -1;
-      }
-  });
-  const float spacing = static_cast<float>(meanSpacing(graph.neighborhoods));
-  SurfaceWays ways(graph.neighborhoods, lengths, std::max(spacing, 1e-9f));
+  SurfaceWays ways(graph, nullptr);
   for (const Index seed : seeds) {
-    DAPPLE_CHECK(seed, <, n);
+    DAPPLE_CHECK(seed, <, graph.points.size());
     ways.add(seed, 0);
   }
   ways.run(limit, monitor);

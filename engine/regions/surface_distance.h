@@ -11,13 +11,14 @@ namespace dapple {
 // Links of a point that segmentation follows: its nearest.
 std::size_t linksOf(const Neighborhoods& neighborhoods);
 
-// Shortest ways from several sources, label by label. Distances are the least over all ways, sums
-// taken from the source on: the same whatever the order of the search.
+// Shortest ways from several sources, label by label, along the links that points have; where those
+// do not lead, along the links that others have to them (neighbours are not mutual). Distances are
+// the least over all ways, sums taken from the source on: the same whatever the order of the
+// search.
 class SurfaceWays {
  public:
-  // `lengths` (n x linksOf): of each link, < 0: no link. Both must outlive this. Buckets are
-  // `step` wide (a speed, not a precision).
-  SurfaceWays(const Neighborhoods& neighborhoods, const std::vector<float>& lengths, float step);
+  // `lengths` (n x linksOf): of each link, or null: as the graph has them. All must outlive this.
+  SurfaceWays(const PointGraph& graph, const std::vector<float>* lengths);
 
   // Points closer to `source` than to all before take `label`.
   void add(Index source, Index label);
@@ -31,11 +32,13 @@ class SurfaceWays {
   void enter(Index i, float distance, Index label);
   void drain(float limit, Monitor& monitor);
   bool followLinksOfOthers(float limit, Monitor& monitor);
+  // Infinite: no link.
+  float length(std::size_t i, std::size_t link) const;
 
-  const Neighborhoods& neighborhoods_;
-  const std::vector<float>& lengths_;
+  const PointGraph graph_;
+  const std::vector<float>* lengths_;
   const std::size_t links_;
-  const float step_;
+  float step_;  // width of a bucket: a speed, not a precision
   std::vector<float> distance_;
   std::vector<Index> label_;
   std::vector<std::vector<Index>> buckets_;

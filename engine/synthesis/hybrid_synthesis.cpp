@@ -103,9 +103,15 @@ void fillByMatching(const SynthesisInput& input, const HybridOptions& options, S
 
 void fillByCutting(const SynthesisInput& input, const HybridOptions& options, SourceMap& map,
                    HybridStatistics& statistics, Monitor& monitor) {
+  const auto show = [&] {
+    if (monitor.wantsPreview()) monitor.publish({map.colour, map.state});
+  };
+  show();
   const PatchOverlap overlap = growOverlap(input, map, options.overlap, monitor);
   statistics.movedPatches = placePatches(input, overlap, map, monitor);
+  show();
   statistics.seams = cutSeams(input, overlap, map, monitor);
+  show();
   if (options.band.width > 0)
     statistics.matchedAgain = matchBand(input, options.band, map, monitor);
 }

@@ -1,0 +1,233 @@
+// Prints how long a person waits in the editor on a sphere of 1 M points: selections, undo, the
+// echo of an edit through the engine, cancel, previews, saving. Medians; nothing is asserted.
+//
+// dapple_document_bench [POINTS]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "document/engine.h"
+#include "document/region_synthesis.h"
+#include "io/ply.h"
+#include "tests/fixtures.h"
+
+namespace {
+
+using namespace dapple;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double medianSeconds(int runs, const std::function<void()>& work) {
+  std::vector<double> seconds;
+  for (int r = 0; r <= runs; ++r) {  // the first is not counted
+    const auto start = Clock::now();
+    work();
+    if (r > 0) seconds.push_back(secondsSince(start));
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+void print(const std::string& what, double seconds, const std::string& target = "") {
+  fmt::print("{:<52} {:>9.1f} ms   {}\n", what, seconds * 1e3, target);
+  std::fflush(stdout);
+}
+
+std::filesystem::path writeSphere(std::size_t count, Monitor& monitor) {
+  const PointSet sphere = fixtures::makeSphere(count, 1);
+  Element vertices{.name = "vertex", .count = count};
+  std::vector<float> column(count);
+  static constexpr const char* kNames[] = {"x", "y", "z", "nx", "ny", "nz"};
+  for (int c = 0; c < 6; ++c) {
+    for (std::size_t i = 0; i < count; ++i)
+      column[i] = c < 3 ? sphere.positions[i][c] : sphere.normals[i][c - 3];
+    setColumn(vertices, kNames[c], column);
+  }
+  std::vector<std::uint8_t> level(count);
+  for (const char* name : {"red", "green", "blue"}) {
+    for (std::size_t i = 0; i < count; ++i)
+      level[i] = sphere.positions[i].x < 0 ? 200 : static_cast<std::uint8_t>(name[0]);
+    setColumn(vertices, name, level);
+  }
+  RecordTable table;
+  table.elements.push_back(std::move(vertices));
+  const auto path = std::filesystem::temp_directory_path() / "dapple_document_bench.ply";
+  savePly(path, table, false, monitor);
+  return path;
+}
+
+void benchSelections(const Document& d, Monitor& monitor) {
+  const Index seed = static_cast<Index>(d.size() / 3);
+  const auto time = [&](const char* what, const Command& command, const Document& on) {
+    Document out;
+    const double seconds = medianSeconds(5, [&] { out = apply(on, command, {}, monitor); });
+    const std::size_t count = out.selection ? out.selection->count() : 0;
+    print(fmt::format("{} ({} k selected)", what, count / 1000), seconds, "<= 100 ms");
+  };
+  time("wand by normal, 30 degrees",
+       SelectWand{.seed = seed, .wand = {.by = WandBy::Normal, .threshold = 30}}, d);
+  time("wand by normal, all",
+       SelectWand{.seed = seed, .wand = {.by = WandBy::Normal, .threshold = 180}}, d);
+  time("wand by colour, half",
+       SelectWand{.seed = seed, .wand = {.by = WandBy::Colour, .threshold = 0.1f}}, d);
+  time("wand by colour, anywhere",
+       SelectWand{.seed = seed,
+                  .wand = {.by = WandBy::Colour, .threshold = 0.1f, .connected = false}},
+       d);
+  time("wand by distance, 100 spacings",
+       SelectWand{.seed = seed, .wand = {.by = WandBy::Distance, .threshold = 100}}, d);
+  time("wand by distance, all",
+       SelectWand{.seed = seed, .wand = {.by = WandBy::Distance, .threshold = 1e6f}}, d);
+  time("connected, all", SelectConnected{.seed = seed}, d);
+  const Document half = apply(
+      d, SelectWand{.seed = seed, .wand = {.by = WandBy::Colour, .threshold = 0.1f}}, {}, monitor);
+  time("grow half", GrowSelection{}, half);
+  time("shrink half", ShrinkSelection{}, half);
+  time("invert half", InvertSelection{}, half);
+  time("assign half", AssignSelection{.region = kUnassigned}, half);
+  for (const int parts : {4, 12})
+    print(fmt::format("segment into {} parts", parts),
+          medianSeconds(1, [&] { apply(d, SegmentAutomatically{.parts = parts}, {}, monitor); }));
+}
+
+// From submit() to the snapshot that shows it.
+double echo(Engine& engine, const Command& command) {
+  const auto before = engine.snapshot();
+  const auto start = Clock::now();
+  engine.submit(command);
+  while (engine.snapshot() == before) std::this_thread::yield();
+  return secondsSince(start);
+}
+
+struct Watched {
+  double first = 0, total = 0, longestGap = 0, longestCall = 0;
+  std::size_t previews = 0;
+};
+
+// A window that looks at the engine every millisecond while a synthesis works.
+Watched watch(Engine& engine) {
+  Watched out;
+  const auto start = Clock::now();
+  engine.submit(Synthesize{});
+  std::uint64_t seen = engine.snapshot()->of(Part::Preview);
+  double last = 0;
+  for (bool busy = true; busy;) {
+    const auto call = Clock::now();
+    const auto snapshot = engine.snapshot();
+    busy = engine.status().busy;
+    out.longestCall = std::max(out.longestCall, secondsSince(call));
+    if (snapshot->of(Part::Preview) != seen && snapshot->previewColour) {
+      seen = snapshot->of(Part::Preview);
+      const double now = secondsSince(start);
+      if (out.previews++ == 0)
+        out.first = now;
+      else
+        out.longestGap = std::max(out.longestGap, now - last);
+      last = now;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  out.total = secondsSince(start);
+  return out;
+}
+
+// The longest of several cancels at moments spread over the whole synthesis.
+double longestCancel(Engine& engine, double total, int tries) {
+  double longest = 0;
+  for (int t = 0; t < tries; ++t) {
+    engine.submit(Synthesize{});
+    std::this_thread::sleep_for(std::chrono::duration<double>(total * (t + 0.5) / tries));
+    const auto start = Clock::now();
+    engine.cancel();
+    engine.finish();
+    longest = std::max(longest, secondsSince(start));
+  }
+  return longest;
+}
+
+void benchJobs(Engine& engine, Method method, const char* name) {
+  TextureOptions options;
+  options.method = method;
+  engine.submit(SetRegion{.region = kUnassigned, .options = options});
+  engine.finish();
+  const Watched w = watch(engine);
+  print(fmt::format("{}: synthesis with a window looking on", name), w.total);
+  print(fmt::format("{}: first of {} previews after", name, w.previews), w.first);
+  print(fmt::format("{}: longest time between previews", name), w.longestGap, "<= 200 ms");
+  print(fmt::format("{}: longest snapshot() + status()", name), w.longestCall, "<= 33 ms");
+  engine.submit(Undo{});
+  engine.finish();
+  print(fmt::format("{}: longest of 20 cancels", name), longestCancel(engine, w.total, 20),
+        "<= 100 ms");
+  engine.submit(Synthesize{});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  double slowest = 0;
+  for (Index i = 0; i < 20 && engine.status().job.size() > 0; ++i) {
+    const auto start = Clock::now();
+    const auto version = engine.snapshot()->of(Part::Selection);
+    engine.submit(Select{.points = {i}});
+    while (engine.snapshot()->of(Part::Selection) == version) std::this_thread::yield();
+    slowest = std::max(slowest, secondsSince(start));
+  }
+  print(fmt::format("{}: slowest of 20 selections meanwhile", name), slowest, "<= 50 ms");
+  engine.cancel();
+  engine.finish();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::size_t count = argc > 1 ? std::stoul(argv[1]) : 1'000'000;
+  Workers workers;
+  Monitor monitor(workers);
+  const auto path = writeSphere(count, monitor);
+  Engine engine({.readImage = [](const auto&) { return fixtures::bricks(128); }});
+  const auto start = Clock::now();
+  engine.submit(OpenScan{.path = path.string()});
+  engine.finish();
+  print(fmt::format("open {} points with neighbours", count), secondsSince(start));
+  const Document d = engine.snapshot()->document;
+  benchSelections(d, monitor);
+  print("echo of a selection of 50 k points through the engine",
+        medianSeconds(5,
+                      [&] {
+                        std::vector<Index> some(std::min<std::size_t>(50'000, count / 2));
+                        for (std::size_t i = 0; i < some.size(); ++i)
+                          some[i] = static_cast<Index>(i);
+                        echo(engine, Select{.points = std::move(some)});
+                      }),
+        "<= 50 ms");
+  engine.submit(SetSwatch{.region = kUnassigned, .reference = {.path = "bricks.png"}});
+  engine.finish();
+  benchJobs(engine, Method::Hybrid, "hybrid");
+  benchJobs(engine, Method::Patches, "patches");
+  benchJobs(engine, Method::Match, "match");
+  engine.submit(Synthesize{});
+  engine.finish();
+  print("undo of a whole synthesis", echo(engine, Undo{}), "<= 100 ms");
+  print("redo of it", echo(engine, Redo{}), "<= 100 ms");
+  const Document done = engine.snapshot()->document;
+  const double points = static_cast<double>(count);
+  fmt::print("bytes a point: scan {:.0f}, with a result {:.0f}, result {:.0f}\n",
+             static_cast<double>(ownBytes(d, emptyDocument())) / points,
+             static_cast<double>(ownBytes(done, emptyDocument())) / points,
+             static_cast<double>(ownBytes(done, d)) / points);
+  const std::string project = path.string() + ".dapple";
+  const CommandContext context{.readImage = [](const auto&) { return fixtures::bricks(128); }};
+  print("save the project",
+        medianSeconds(1, [&] { apply(done, SaveProject{.path = project}, context, monitor); }));
+  print("open the project", medianSeconds(1, [&] {
+          apply(emptyDocument(), OpenProject{.path = project}, context, monitor);
+        }));
+  std::filesystem::remove(path);
+  std::filesystem::remove(project);
+}
