@@ -164,6 +164,7 @@ struct SplatRenderer::Pipeline {
   std::optional<GlProgram> splats[kShapes][2][2];
   std::optional<GlProgram> resolves[4];  // by the samples along a pixel's side, less one
   GlVertexArray nothing;
+  std::vector<Index> order;  // of the columns; empty: as they are
   SplatBuffers buffers;
   std::vector<SplatChunk> chunks;
   std::size_t count = 0;
@@ -209,6 +210,12 @@ void SplatRenderer::Pipeline::setUniforms(const GlProgram& program, const Frame&
   glUniform1f(program.uniform("perLowPass2"), 1 / (lens.lowPass * lens.lowPass));
   glUniform1i(program.uniform("shading"), static_cast<int>(frame.options.shading));
   glUniform1f(program.uniform("enlarge"), lens.enlarge);
+  const vec3 towardsKey = glm::normalize(kStudioLight.towardsKey);
+  glUniform3fv(program.uniform("towardsKey"), 1, glm::value_ptr(towardsKey));
+  glUniform3fv(program.uniform("keyLight"), 1, glm::value_ptr(kStudioLight.key));
+  glUniform3fv(program.uniform("skyLight"), 1, glm::value_ptr(kStudioLight.sky));
+  glUniform3fv(program.uniform("rimLight"), 1, glm::value_ptr(kStudioLight.rim));
+  glUniform1f(program.uniform("skyBelow"), kStudioLight.below);
   glUniform1f(program.uniform("longestStep"), buffers.longestStep());
   glUniform1i(program.uniform("swatch"), 0);
   const glm::vec2 perSize = 1.f / buffers.swatchSize();
@@ -311,12 +318,54 @@ void SplatRenderer::Pipeline::resolveTile(const Frame& frame, const Tile& tile,
 SplatRenderer::SplatRenderer() : pipeline_(std::make_unique<Pipeline>()) {}
 SplatRenderer::~SplatRenderer() = default;
 
+namespace {
+
+template <typename T>
+std::vector<T> inOrder(const std::vector<T>& column, const std::vector<Index>& order) {
+  std::vector<T> out;
+  out.reserve(order.size());
+  for (const Index point : order) out.push_back(column[point]);
+  return out;
+}
+
+// Copies of columns in the order in which they are drawn.
+struct OrderedColumns {
+  std::vector<vec3> positions, normals, colours;
+  std::vector<float> radii;
+  std::vector<vec2> texel;
+  std::vector<TangentFrame> frame;
+  std::optional<SplatTexture> texture;
+
+  explicit OrderedColumns(const SplatColumns& c)
+      : positions(inOrder(c.positions, *c.order)),
+        normals(inOrder(c.normals, *c.order)),
+        colours(inOrder(c.colours, *c.order)),
+        radii(inOrder(c.radii, *c.order)) {
+    if (!c.texture) return;
+    texel = inOrder(c.texture->texel, *c.order), frame = inOrder(c.texture->frame, *c.order);
+    texture.emplace(
+        SplatTexture{c.texture->swatch, texel, frame, c.texture->scale, c.texture->longestStep});
+  }
+  SplatColumns columns() const {
+    return {positions, normals, colours, radii, texture ? &*texture : nullptr};
+  }
+};
+
+}  // namespace
+
 void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& changes) {
   const std::size_t n = columns.positions.size();
   DAPPLE_CHECK(columns.normals.size(), ==, n);
   DAPPLE_CHECK(columns.colours.size(), ==, n);
   DAPPLE_CHECK(columns.radii.size(), ==, n);
   Pipeline& p = *pipeline_;
+  if (columns.order) {
+    DAPPLE_CHECK(columns.order->size(), ==, n);
+    update(OrderedColumns(columns).columns(), changes);
+    p.order = *columns.order;
+    return;
+  }
+  p.order.clear();
   if (changes.positions) p.buffers.setPositions(columns.positions);
   if (changes.normals) p.buffers.setNormals(columns.normals);
   if (changes.colours) p.buffers.setColours(columns.colours);
@@ -329,7 +378,8 @@ void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& chan
 
 void SplatRenderer::recolour(const std::vector<vec3>& colours) {
   DAPPLE_CHECK(colours.size(), ==, pipeline_->count);
-  pipeline_->buffers.setColours(colours);
+  const std::vector<Index>& order = pipeline_->order;
+  pipeline_->buffers.setColours(order.empty() ? colours : inOrder(colours, order));
   glBindVertexArray(0);
 }
 
