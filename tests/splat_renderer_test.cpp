@@ -822,6 +822,11 @@ TEST_CASE("a picture drawn into a framebuffer is the one that is read back, and 
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
   glClearColor(1, 0, 1, 1);
   glClear(GL_COLOR_BUFFER_BIT);
+  // As a window's toolkit may have left it.
+  for (const GLenum of : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE}) glEnable(of);
+  glScissor(0, 0, 3, 3);
+  glCullFace(GL_FRONT_AND_BACK);
+  glActiveTexture(GL_TEXTURE3);
   studioOfAll().renderer.drawInto({framebuffer.id(), kLeft, kLow}, sphereCamera(), 150, 120,
                                   options);
   std::vector<std::uint8_t> bytes(4 * kWide * kHigh);
@@ -840,6 +845,28 @@ TEST_CASE("a picture drawn into a framebuffer is the one that is read back, and 
     }
   CHECK(wrong == 0);
   CHECK(takeGlMessages().empty());
+}
+
+TEST_CASE("tiles find their places in a framebuffer") {
+  const Scene scene = sphere(500, noisy);
+  Camera camera = sphereCamera();
+  camera.verticalFov = 0.06f;
+  constexpr int kWide = 2300, kHigh = 40;
+  const Image wanted = picture(scene, camera, kWide, kHigh);
+  const GlTexture colour = makeTexture(GL_RGBA8, kWide + 5, kHigh);
+  const GlFramebuffer framebuffer = makeFramebuffer(colour, nullptr);
+  studioOfAll().renderer.drawInto({framebuffer.id(), 5, 0}, camera, kWide, kHigh,
+                                  {.background = kBackground});
+  std::vector<std::uint8_t> bytes(std::size_t{4} * kWide * kHigh);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+  glReadPixels(5, 0, kWide, kHigh, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  int wrong = 0;
+  for (int y = 0; y < kHigh; ++y)
+    for (int x = 0; x < kWide; ++x)
+      wrong += bytes[static_cast<std::size_t>(4 * (y * kWide + x))] !=
+               static_cast<int>(std::lround(255 * wanted.at(x, kHigh - 1 - y, 0)));
+  CHECK(wrong == 0);
 }
 
 TEST_CASE_TEMPLATE("a splat leaves the picture without a jump", Drawn, ByGl, ByCpu) {

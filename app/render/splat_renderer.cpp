@@ -137,6 +137,22 @@ Shape shapeOf(const ChunkImage& image, float lowPass) {
   return image.radius > kFlatUpTo ? kSprites : kFlatSprites;
 }
 
+void add(const Frame& frame, std::size_t chunk, Ranges& ranges) {
+  const std::size_t begin = chunk * SplatChunk::kPoints;
+  ranges.add(shapeOf(frame.images[chunk], frame.lens.lowPass), begin,
+             std::min(frame.count, begin + SplatChunk::kPoints));
+}
+
+SampleBox boxOf(const Frame& frame, const Tile& tile) {
+  const int perPixel = frame.options.samples;
+  const glm::vec2 low = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
+  return {low, low + glm::vec2(tile.width * perPixel, tile.height * perPixel)};
+}
+
+bool overlap(const SampleBox& a, const SampleBox& b) {
+  return glm::all(glm::lessThanEqual(a.low, b.high)) && glm::all(glm::lessThanEqual(b.low, a.high));
+}
+
 // draw(tile) for each tile of the picture.
 template <class Draw>
 void forTiles(const Frame& frame, int width, int height, const Draw& draw) {
@@ -177,6 +193,8 @@ struct SplatRenderer::Pipeline {
   const GlProgram& program(const Variant& variant);
   void setUniforms(const GlProgram& program, const Frame& frame, const Tile& tile, Shape shape);
   void drawRanges(const Ranges& ranges, const Frame& frame, const Tile& tile, bool visibility);
+  void dropHidden(const Frame& frame, const SampleBox& box, std::vector<std::size_t>& seen);
+  void drawVisibility(const Frame& frame, const Tile& tile, std::vector<std::size_t>& seen);
   void drawTile(const Frame& frame, const Tile& tile);
   void resolveTile(const Frame& frame, const Tile& tile, const SplatTarget& target);
   Frame prepare(const Camera& camera, int width, int height, const SplatOptions& options);
@@ -191,10 +209,9 @@ const GlProgram& SplatRenderer::Pipeline::program(const Variant& variant) {
 void SplatRenderer::Pipeline::setUniforms(const GlProgram& program, const Frame& frame,
                                           const Tile& tile, Shape shape) {
   const SplatLens& lens = frame.lens;
-  const int perPixel = frame.options.samples;
   // From the view axis, so that no rounding depends on the picture's size.
-  const glm::vec2 origin = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
-  const glm::vec2 size(tile.width * perPixel, tile.height * perPixel);
+  const SampleBox box = boxOf(frame, tile);
+  const glm::vec2 origin = box.low, size = box.high - box.low;
   // A sprite goes with its centre: the viewport reaches beyond the tile by half the largest one.
   const float guard = shape == kDiscs ? 0.f : std::ceil(kSpriteUpTo) + 2;
   const glm::vec4 viewport(origin - guard, size + 2 * guard);
@@ -236,56 +253,63 @@ void SplatRenderer::Pipeline::drawRanges(const Ranges& ranges, const Frame& fram
   }
 }
 
-void SplatRenderer::Pipeline::drawTile(const Frame& frame, const Tile& tile) {
-  const int perPixel = frame.options.samples;
-  const int wide = tile.width * perPixel, high = tile.height * perPixel;
-  const glm::vec2 origin = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
-  std::vector<std::size_t> seen;
-  for (std::size_t k = 0; k < frame.images.size(); ++k) {
+// Of the chunks `seen` those that what is drawn so far does not hide.
+void SplatRenderer::Pipeline::dropHidden(const Frame& frame, const SampleBox& box,
+                                         std::vector<std::size_t>& seen) {
+  const auto width = static_cast<int>(box.high.x - box.low.x);
+  const auto height = static_cast<int>(box.high.y - box.low.y);
+  depths.resize(static_cast<std::size_t>(width) * height);
+  glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+  pyramid.build(depths, width, height);
+  const float perDepth = 1 / (frame.lens.farthest - frame.lens.nearest);
+  std::erase_if(seen, [&](std::size_t k) {
     const ChunkImage& image = frame.images[k];
-    if (image.drawn && image.box.high.x >= origin.x && image.box.high.y >= origin.y &&
-        image.box.low.x <= origin.x + wide && image.box.low.y <= origin.y + high)
-      seen.push_back(k);
-  }
-  const auto add = [&](Ranges& ranges, std::size_t k) {
-    const std::size_t begin = k * SplatChunk::kPoints;
-    ranges.add(shapeOf(frame.images[k], frame.lens.lowPass), begin,
-               std::min(frame.count, begin + SplatChunk::kPoints));
-  };
+    return pyramid.hides({image.box.low - box.low, image.box.high - box.low},
+                         (image.nearest - frame.lens.nearest) * perDepth);
+  });
+}
 
-  // 1. Visibility: the nearest surface, moved back so that all splats of one surface pass.
+// The nearest surface, moved back so that all splats of one surface pass. Drops what it hides: on
+// software OpenGL a splat costs more than asking, and those that look away are most likely hidden.
+void SplatRenderer::Pipeline::drawVisibility(const Frame& frame, const Tile& tile,
+                                             std::vector<std::size_t>& seen) {
+  Ranges first, rest;
+  for (const std::size_t k : seen)
+    if (!software || !frame.images[k].away) add(frame, k, first);
+  drawRanges(first, frame, tile, true);
+  if (!software) return;
+  dropHidden(frame, boxOf(frame, tile), seen);
+  for (const std::size_t k : seen)
+    if (frame.images[k].away) add(frame, k, rest);
+  drawRanges(rest, frame, tile, true);
+}
+
+void SplatRenderer::Pipeline::drawTile(const Frame& frame, const Tile& tile) {
+  const SampleBox box = boxOf(frame, tile);
+  std::vector<std::size_t> seen;
+  for (std::size_t k = 0; k < frame.images.size(); ++k)
+    if (frame.images[k].drawn && overlap(frame.images[k].box, box)) seen.push_back(k);
+
+  // 1. Visibility.
   glBindFramebuffer(GL_FRAMEBUFFER, samples->framebuffer.id());
   glBindVertexArray(buffers.array());
   glEnable(GL_PROGRAM_POINT_SIZE);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_DEPTH_CLAMP);  // discs reach before the near plane
+  for (const GLenum of : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE}) glDisable(of);
+  glActiveTexture(GL_TEXTURE0);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClearDepth(1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  Ranges facing, away, all;
-  for (const std::size_t k : seen)
-    if (!software || !frame.images[k].away) add(facing, k);
-  drawRanges(facing, frame, tile, true);
-  if (software) {
-    depths.resize(static_cast<std::size_t>(wide) * high);
-    glReadPixels(0, 0, wide, high, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
-    pyramid.build(depths, wide, high);
-    const float perDepth = 1 / (frame.lens.farthest - frame.lens.nearest);
-    std::erase_if(seen, [&](std::size_t k) {
-      const ChunkImage& image = frame.images[k];
-      return pyramid.hides({image.box.low - origin, image.box.high - origin},
-                           (image.nearest - frame.lens.nearest) * perDepth);
-    });
-    for (const std::size_t k : seen)
-      if (frame.images[k].away) add(away, k);
-    drawRanges(away, frame, tile, true);
-  }
+  drawVisibility(frame, tile, seen);
 
   // 2. Accumulation of what lies in front of that.
-  for (const std::size_t k : seen) add(all, k);
+  Ranges all;
+  for (const std::size_t k : seen) add(frame, k, all);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
