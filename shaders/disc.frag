@@ -17,14 +17,14 @@ layout(location = 0) out vec4 accumulated;
 
 void main() {
   vec2 d = gl_FragCoord.xy - middle;
-  float distance = min(dot(onDisc, onDisc), dot(d, d) * perLowPass2);
+  float squared = min(dot(onDisc, onDisc), dot(d, d) * perLowPass2);
 #ifdef VISIBILITY
-  if (distance > 1.0) discard;
+  if (squared > 1.0) discard;
 #else
   vec3 shownColour = tint;
 #ifdef TEXTURED
   if (shown > 0.0) shownColour *= textureLod(swatch, texel * perSwatchSize, 0.0).rgb;
 #endif
-  accumulated = vec4(shownColour, 1.0) * kernel(distance);
+  accumulated = vec4(shownColour, 1.0) * kernel(squared);
 #endif
 }

@@ -6,6 +6,8 @@ uniform bool orthographic;
 uniform vec2 depthRange;  // near, far
 uniform float lowPass;    // radius, pixels
 uniform int shading;      // 0 off, 1 headlight, 2 studio
+uniform float skyBelow;
+uniform vec3 towardsKey, keyLight, skyLight, rimLight;  // StudioLight, the direction of unit length
 uniform float enlarge;    // of the radii
 uniform float longestStep;  // swatch pixels from pixel to pixel: where it is longer, the splat
                             // shows its colour
@@ -15,7 +17,6 @@ const float kSteepest = 4.0;     // slope up to which a pixel's own depth is all
 const float kEdgeOn = 1e-4;      // least cosine between the disc's plane and the ray
 const float kSlack = 0.0625;     // pixels, for the rasteriser that rounds corners
 const float kAmbient = 0.25;
-const vec3 kKeyLight = vec3(-0.45042811, 0.60057081, 0.66062789);  // unit: (-0.45, 0.60, 0.66)
 
 const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 
@@ -25,9 +26,9 @@ vec3 lightOn(vec3 n, vec3 toEye) {
   if (shading == 0) return vec3(1.0);
   if (shading == 1) return vec3(mix(kAmbient, 1.0, facing));
   n = dot(n, toEye) < 0.0 ? -n : n;
-  float key = max(0.0, dot(n, kKeyLight)), sky = 0.5 + 0.5 * n.y, away = 1.0 - facing;
-  return vec3(0.22, 0.24, 0.29) * sky + vec3(0.84, 0.80, 0.74) * key +
-         vec3(0.16, 0.19, 0.26) * (away * away * away);
+  float key = max(0.0, dot(n, towardsKey)), sky = mix(skyBelow, 1.0, 0.5 + 0.5 * n.y);
+  float away = 1.0 - facing;
+  return skyLight * sky + keyLight * key + rimLight * (away * away * away);
 }
 
 float depthIn(float depth) { return (depth - depthRange.x) / (depthRange.y - depthRange.x); }

@@ -7,8 +7,8 @@ flat in vec3 behind;
 
 layout(location = 0) out vec4 colour;
 
-vec3 shown(ivec2 sample) {
-  vec4 a = texelFetch(accumulated, sample, 0);
+vec3 shown(ivec2 place) {
+  vec4 a = texelFetch(accumulated, place, 0);
   return a.a > 0.0 ? a.rgb / a.a : behind;
 }
 

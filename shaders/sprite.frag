@@ -17,15 +17,15 @@ layout(location = 0) out vec4 accumulated;
 void main() {
   vec2 d = gl_FragCoord.xy - ellipse.xy;
   float inDisc = (ellipse.z * d.x + ellipse.w * d.y) * d.x + plane.x * d.y * d.y;
-  float distance = min(inDisc, dot(d, d) * plane.y);
+  float squared = min(inDisc, dot(d, d) * plane.y);
 #ifdef PLANE
   float depth = gl_FragCoord.z + dot(plane.zw, d);
 #endif
 #ifdef VISIBILITY
 #ifdef PLANE
-  gl_FragDepth = distance <= 1.0 ? depth : 1.0;
+  gl_FragDepth = squared <= 1.0 ? depth : 1.0;
 #else
-  if (distance > 1.0) discard;
+  if (squared > 1.0) discard;
 #endif
 #else
 #ifdef PLANE
@@ -38,6 +38,6 @@ void main() {
     shownColour *= textureLod(swatch, texel * perSwatchSize, 0.0).rgb;
   }
 #endif
-  accumulated = vec4(shownColour, 1.0) * kernel(distance);
+  accumulated = vec4(shownColour, 1.0) * kernel(squared);
 #endif
 }

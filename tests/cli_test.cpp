@@ -615,6 +615,7 @@ TEST_CASE("regions, coordinates, light, background and overlays look as they did
       {"view_regions", {"--show", "regions"}},
       {"view_coordinates", {"--show", "coordinates", "--swatch", swatch()}},
       {"shading_headlight", {"--shading"}},
+      {"shading_studio", {"--shading", "studio"}},
       {"background_black", {"--show", "distortion", "--background", "black"}},
       {"overlay_regions", {"--overlay", "regions"}},
       {"overlay_directions", {"--overlay", "directions"}},

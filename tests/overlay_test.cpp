@@ -50,8 +50,8 @@ struct Scene {
 };
 
 // The light lines, without their casing: the second half.
-std::span<const OverlayLine> cores(const OverlayLines& lines) {
-  return std::span(lines).subspan(lines.size() / 2);
+OverlayLines cores(const OverlayLines& lines) {
+  return {lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 2), lines.end()};
 }
 
 float distanceTo(vec2 p, const OverlayLine& line) {
@@ -90,10 +90,10 @@ TEST_CASE("a stroke is drawn as far as it is seen, with a head where it ends") {
     const SurfaceStroke one[] = {{front}}, other[] = {{around}};
     const OverlayLines whole = strokeLines(scene.view(), one);
     REQUIRE(whole.size() == 4);  // casing and line, of shaft and head
-    const OverlayLine& line = cores(whole)[0];
+    const OverlayLine line = cores(whole)[0];
     CHECK(glm::distance(line.points.front(), scene.pixel(front.front())) < 0.1f);
     CHECK(glm::distance(line.points.back(), scene.pixel(front.back())) < 0.1f);
-    const OverlayLine& head = cores(whole)[1];
+    const OverlayLine head = cores(whole)[1];
     REQUIRE(head.points.size() == 3);
     CHECK(glm::distance(head.points[1], scene.pixel(front.back())) < 0.5f);
     CHECK(head.points[0].x < head.points[1].x - 4);

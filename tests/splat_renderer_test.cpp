@@ -28,7 +28,11 @@ constexpr vec3 kBackground{1, 0, 1};
 struct Scene {
   std::vector<vec3> positions, normals, colours;
   std::vector<float> radii;
+  std::vector<Index> order;  // empty: as they are
 
+  SplatColumns columns(const SplatTexture* texture) const {
+    return {positions, normals, colours, radii, texture, order.empty() ? nullptr : &order};
+  }
   void add(const vec3& position, const vec3& normal, const vec3& colour, float spacing) {
     positions.push_back(position);
     normals.push_back(normal);
@@ -79,7 +83,7 @@ Image picture(const Scene& scene, const Camera& camera, int width, int height,
               SplatOptions options = {.background = kBackground},
               const SplatTexture* texture = nullptr) {
   Studio& studio = studioOfAll();
-  studio.renderer.update({scene.positions, scene.normals, scene.colours, scene.radii, texture});
+  studio.renderer.update(scene.columns(texture));
   Image image = studio.renderer.draw(camera, width, height, options);
   for (const std::string& message : takeGlMessages()) FAIL_CHECK(message);
   return image;
@@ -104,7 +108,7 @@ struct ByCpu {
                        const SplatTexture* texture = nullptr) {
     static Workers workers(2);
     static CpuSplatter splatter(workers);
-    splatter.update({scene.positions, scene.normals, scene.colours, scene.radii, texture});
+    splatter.update(scene.columns(texture));
     Raster raster;
     splatter.draw(camera, width, height, options, raster);
     return toImage(raster);
@@ -649,6 +653,18 @@ TEST_CASE("a stray point is drawn like those around it, a sparse region without 
   for (std::size_t i = 2001; i < 2010; ++i) CHECK(radii[i] < splatRadius(4));
 }
 
+TEST_CASE("a few points that are strewn far apart do not become blobs") {
+  std::vector<vec3> points;
+  for (int y = 0; y < 50; ++y)
+    for (int x = 0; x < 50; ++x) points.emplace_back(x, y, 0);  // one apart
+  for (int i = 0; i < 25; ++i) points.emplace_back(300 + 60 * (i % 5), 60 * (i / 5), 0);
+  Workers workers(1);
+  Monitor monitor(workers);
+  const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor));
+  for (std::size_t i = 2500; i < radii.size(); ++i) CHECK(radii[i] < splatRadius(4));
+  CHECK(radii[20 * 50 + 20] == doctest::Approx(splatRadius(1)).epsilon(0.15));
+}
+
 TEST_CASE_TEMPLATE("the headlight darkens what turns away and nothing else", Drawn, ByGl, ByCpu) {
   const Scene scene = sphere(5000, [](vec3) { return vec3(0.8f); });
   const Image image = Drawn::picture(scene, sphereCamera(), 200, 200,
@@ -711,25 +727,39 @@ TEST_CASE("the picture has the same bytes at any number of OpenGL's threads") {
   }
 }
 
-TEST_CASE("the studio's three lamps stay with the camera") {
+TEST_CASE_TEMPLATE("the studio's three lamps stay with the camera", Drawn, ByGl, ByCpu) {
   // Facing the eye, straight up and to the right, as the formula has them.
   const auto lit = [](vec3 n) {
     Scene scene;
     scene.add({0, 0, 0}, n, vec3(0.5f), 0.2f);
-    return at(picture(scene, {.eye = {0, 0, 50}, .target = {0, 0, 0}, .verticalFov = 0.02f}, 64, 64,
-                      {.shading = Shading::Studio, .background = kBackground}),
+    const Camera camera{.eye = {0, 0, 50}, .target = {0, 0, 0}, .verticalFov = 0.02f};
+    return at(Drawn::picture(scene, camera, 64, 64,
+                             {.shading = Shading::Studio, .background = kBackground}),
               32, 32);
   };
-  const vec3 sky(0.22f, 0.24f, 0.29f), key(0.84f, 0.80f, 0.74f), rim(0.16f, 0.19f, 0.26f);
+  const vec3 sky(0.50f, 0.53f, 0.58f), key(0.74f, 0.70f, 0.64f), rim(0.16f, 0.19f, 0.26f);
   const vec3 lamp = glm::normalize(vec3(-0.45f, 0.60f, 0.66f));
   for (const vec3& direction : {vec3(0, 0, 1), vec3(0, 0, -1), vec3(0, 1, 0.4f), vec3(-1, 0.5f, 1),
                                 vec3(1, -0.4f, 0.3f), vec3(-1, 1, -1)}) {
     CAPTURE(direction.x);
     const vec3 given = glm::normalize(direction), n = given.z < 0 ? -given : given;
-    const vec3 light = sky * (0.5f + 0.5f * n.y) + key * std::max(0.f, glm::dot(n, lamp)) +
+    const vec3 light = sky * (0.675f + 0.325f * n.y) + key * std::max(0.f, glm::dot(n, lamp)) +
                        rim * std::pow(1 - n.z, 3.f);
     CHECK(glm::distance(lit(given), glm::min(0.5f * light, vec3(1))) < 0.01f);
   }
+}
+
+TEST_CASE_TEMPLATE("points drawn in another order are the points given in that order", Drawn, ByGl,
+                   ByCpu) {
+  Scene scene = sphere(3000, noisy), other;
+  for (Index i = 0; i < 3000; ++i) scene.order.push_back((i * 1009) % 3000);
+  for (const Index i : scene.order) {
+    other.add(scene.positions[i], scene.normals[i], scene.colours[i], 1);
+    other.radii.back() = scene.radii[i];
+  }
+  const SplatOptions part{.background = kBackground, .count = 700};
+  const Image expected = Drawn::picture(other, sphereCamera(), 150, 150, part);
+  CHECK(Drawn::picture(scene, sphereCamera(), 150, 150, part).pixels == expected.pixels);
 }
 
 TEST_CASE("the first points alone, enlarged, are the picture of a scene with no others") {
@@ -792,6 +822,11 @@ TEST_CASE("a picture drawn into a framebuffer is the one that is read back, and 
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
   glClearColor(1, 0, 1, 1);
   glClear(GL_COLOR_BUFFER_BIT);
+  // As a window's toolkit may have left it.
+  for (const GLenum of : {GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE}) glEnable(of);
+  glScissor(0, 0, 3, 3);
+  glCullFace(GL_FRONT_AND_BACK);
+  glActiveTexture(GL_TEXTURE3);
   studioOfAll().renderer.drawInto({framebuffer.id(), kLeft, kLow}, sphereCamera(), 150, 120,
                                   options);
   std::vector<std::uint8_t> bytes(4 * kWide * kHigh);
@@ -810,6 +845,28 @@ TEST_CASE("a picture drawn into a framebuffer is the one that is read back, and 
     }
   CHECK(wrong == 0);
   CHECK(takeGlMessages().empty());
+}
+
+TEST_CASE("tiles find their places in a framebuffer") {
+  const Scene scene = sphere(500, noisy);
+  Camera camera = sphereCamera();
+  camera.verticalFov = 0.06f;
+  constexpr int kWide = 2300, kHigh = 40;
+  const Image wanted = picture(scene, camera, kWide, kHigh);
+  const GlTexture colour = makeTexture(GL_RGBA8, kWide + 5, kHigh);
+  const GlFramebuffer framebuffer = makeFramebuffer(colour, nullptr);
+  studioOfAll().renderer.drawInto({framebuffer.id(), 5, 0}, camera, kWide, kHigh,
+                                  {.background = kBackground});
+  std::vector<std::uint8_t> bytes(std::size_t{4} * kWide * kHigh);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+  glReadPixels(5, 0, kWide, kHigh, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  int wrong = 0;
+  for (int y = 0; y < kHigh; ++y)
+    for (int x = 0; x < kWide; ++x)
+      wrong += bytes[static_cast<std::size_t>(4 * (y * kWide + x))] !=
+               static_cast<int>(std::lround(255 * wanted.at(x, kHigh - 1 - y, 0)));
+  CHECK(wrong == 0);
 }
 
 TEST_CASE_TEMPLATE("a splat leaves the picture without a jump", Drawn, ByGl, ByCpu) {

@@ -119,14 +119,6 @@ void bin(const SplatBlocks& blocks, const SplatView& view, const TileGrid& grid,
   });
 }
 
-// 0..255.
-std::uint32_t packed(const vec3& colour) {
-  const auto byte = [](float v) {
-    return static_cast<std::uint32_t>(std::clamp(v, 0.f, 255.f) + 0.5f);
-  };
-  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
-}
-
 // A picture that is being drawn, in tiles.
 struct Frame {
   SplatView view;
@@ -221,10 +213,9 @@ class TilePainter {
 
   static void clear(const Frame& frame, int left, int top, Raster& out) {
     const auto columns = static_cast<std::size_t>(std::min(frame.side(), out.width - left));
-    const vec3 background = 255.f * frame.options.background;
     for (int y = top; y < std::min(top + frame.side(), out.height); ++y) {
       const std::size_t first = pixelAt(out, left, y);
-      std::fill_n(out.pixels.data() + first, columns, packed(background));
+      std::fill_n(out.pixels.data() + first, columns, packedColour(frame.options.background));
       if (!out.trace) continue;
       std::fill_n(out.points.data() + first, columns, kNone);
       std::fill_n(out.depths.data() + first, columns, std::numeric_limits<float>::infinity());
@@ -262,7 +253,7 @@ void setSwatch(const Swatch& swatch, SplatScene& s) {
   const auto pixelAt = [&](int x, int y) {
     const int column = s.swatchRepeats ? x % s.swatchWidth : std::min(x, s.swatchWidth - 1);
     const int row = s.swatchRepeats ? y % s.swatchHeight : std::min(y, s.swatchHeight - 1);
-    return packed(255.f * swatch.colours()[static_cast<std::size_t>(row * s.swatchWidth + column)]);
+    return packedColour(swatch.colours()[static_cast<std::size_t>(row * s.swatchWidth + column)]);
   };
   for (int y = 0; y < s.swatchHeight; ++y)
     for (int x = 0; x < s.swatchWidth; ++x)
@@ -347,7 +338,7 @@ void CpuSplatter::recolour(const std::vector<vec3>& colours) {
   Scene& s = *scene_;
   s.colour.resize(paddedToLanes(colours.size()));
   forChunks(workers_, s.size,
-            [&](std::size_t i) { s.colour[i] = packed(255.f * colours[pointOf(s, i)]); });
+            [&](std::size_t i) { s.colour[i] = packedColour(colours[pointOf(s, i)]); });
 }
 
 void CpuSplatter::begin(const Camera& camera, int width, int height, const SplatOptions& options,
@@ -369,7 +360,7 @@ void CpuSplatter::begin(const Camera& camera, int width, int height, const Splat
   out.width = width, out.height = height;
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   // The old picture stays where the new one is not drawn yet.
-  if (!same) out.pixels.assign(pixels, packed(255.f * options.background));
+  if (!same) out.pixels.assign(pixels, packedColour(options.background));
   out.points.resize(out.trace ? pixels : 0, kNone);
   out.depths.resize(out.trace ? pixels : 0, std::numeric_limits<float>::infinity());
   bin(scene_->blocks, frame.view, frame.grid, workers_, frame.bins);

@@ -11,15 +11,6 @@ namespace {
 
 enum Attribute : GLuint { kPosition, kNormal, kColour, kRadius, kTexel, kSwatchS, kSwatchT };
 
-std::uint32_t byteOf(float v) {
-  return static_cast<std::uint32_t>(std::clamp(v, 0.f, 1.f) * 255 + 0.5f);
-}
-
-// Red in the first byte.
-std::uint32_t packedColour(const vec3& c) {
-  return byteOf(c.r) | byteOf(c.g) << 8 | byteOf(c.b) << 16 | 0xff000000u;
-}
-
 // x in the lowest of three times 10 bits, two's complement; the same for either side but the sign.
 std::uint32_t packedNormal(const vec3& n) {
   const float length = glm::length(n);

@@ -224,7 +224,8 @@ struct Light {
     Float8 key = -towards.x * n.x + towards.z * n.depth;
     key = (away ? key : -key) + towards.y * up;
     key = key < 0 ? zero : key;
-    const Float8 sky = 0.5f + 0.5f * up, off = 1 - facing, rim = off * off * off;
+    const Float8 sky = 0.5f * (1 + l.below) + 0.5f * (1 - l.below) * up, off = 1 - facing,
+                 rim = off * off * off;
     light.red = l.sky.r * sky + l.key.r * key + l.rim.r * rim;
     light.green = l.sky.g * sky + l.key.g * key + l.rim.g * rim;
     light.blue = l.sky.b * sky + l.key.b * key + l.rim.b * rim;

@@ -137,6 +137,22 @@ Shape shapeOf(const ChunkImage& image, float lowPass) {
   return image.radius > kFlatUpTo ? kSprites : kFlatSprites;
 }
 
+void add(const Frame& frame, std::size_t chunk, Ranges& ranges) {
+  const std::size_t begin = chunk * SplatChunk::kPoints;
+  ranges.add(shapeOf(frame.images[chunk], frame.lens.lowPass), begin,
+             std::min(frame.count, begin + SplatChunk::kPoints));
+}
+
+SampleBox boxOf(const Frame& frame, const Tile& tile) {
+  const int perPixel = frame.options.samples;
+  const glm::vec2 low = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
+  return {low, low + glm::vec2(tile.width * perPixel, tile.height * perPixel)};
+}
+
+bool overlap(const SampleBox& a, const SampleBox& b) {
+  return glm::all(glm::lessThanEqual(a.low, b.high)) && glm::all(glm::lessThanEqual(b.low, a.high));
+}
+
 // draw(tile) for each tile of the picture.
 template <class Draw>
 void forTiles(const Frame& frame, int width, int height, const Draw& draw) {
@@ -164,6 +180,7 @@ struct SplatRenderer::Pipeline {
   std::optional<GlProgram> splats[kShapes][2][2];
   std::optional<GlProgram> resolves[4];  // by the samples along a pixel's side, less one
   GlVertexArray nothing;
+  std::vector<Index> order;  // of the columns; empty: as they are
   SplatBuffers buffers;
   std::vector<SplatChunk> chunks;
   std::size_t count = 0;
@@ -176,6 +193,8 @@ struct SplatRenderer::Pipeline {
   const GlProgram& program(const Variant& variant);
   void setUniforms(const GlProgram& program, const Frame& frame, const Tile& tile, Shape shape);
   void drawRanges(const Ranges& ranges, const Frame& frame, const Tile& tile, bool visibility);
+  void dropHidden(const Frame& frame, const SampleBox& box, std::vector<std::size_t>& seen);
+  void drawVisibility(const Frame& frame, const Tile& tile, std::vector<std::size_t>& seen);
   void drawTile(const Frame& frame, const Tile& tile);
   void resolveTile(const Frame& frame, const Tile& tile, const SplatTarget& target);
   Frame prepare(const Camera& camera, int width, int height, const SplatOptions& options);
@@ -190,10 +209,9 @@ const GlProgram& SplatRenderer::Pipeline::program(const Variant& variant) {
 void SplatRenderer::Pipeline::setUniforms(const GlProgram& program, const Frame& frame,
                                           const Tile& tile, Shape shape) {
   const SplatLens& lens = frame.lens;
-  const int perPixel = frame.options.samples;
   // From the view axis, so that no rounding depends on the picture's size.
-  const glm::vec2 origin = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
-  const glm::vec2 size(tile.width * perPixel, tile.height * perPixel);
+  const SampleBox box = boxOf(frame, tile);
+  const glm::vec2 origin = box.low, size = box.high - box.low;
   // A sprite goes with its centre: the viewport reaches beyond the tile by half the largest one.
   const float guard = shape == kDiscs ? 0.f : std::ceil(kSpriteUpTo) + 2;
   const glm::vec4 viewport(origin - guard, size + 2 * guard);
@@ -209,6 +227,12 @@ void SplatRenderer::Pipeline::setUniforms(const GlProgram& program, const Frame&
   glUniform1f(program.uniform("perLowPass2"), 1 / (lens.lowPass * lens.lowPass));
   glUniform1i(program.uniform("shading"), static_cast<int>(frame.options.shading));
   glUniform1f(program.uniform("enlarge"), lens.enlarge);
+  const vec3 towardsKey = glm::normalize(kStudioLight.towardsKey);
+  glUniform3fv(program.uniform("towardsKey"), 1, glm::value_ptr(towardsKey));
+  glUniform3fv(program.uniform("keyLight"), 1, glm::value_ptr(kStudioLight.key));
+  glUniform3fv(program.uniform("skyLight"), 1, glm::value_ptr(kStudioLight.sky));
+  glUniform3fv(program.uniform("rimLight"), 1, glm::value_ptr(kStudioLight.rim));
+  glUniform1f(program.uniform("skyBelow"), kStudioLight.below);
   glUniform1f(program.uniform("longestStep"), buffers.longestStep());
   glUniform1i(program.uniform("swatch"), 0);
   const glm::vec2 perSize = 1.f / buffers.swatchSize();
@@ -229,56 +253,63 @@ void SplatRenderer::Pipeline::drawRanges(const Ranges& ranges, const Frame& fram
   }
 }
 
-void SplatRenderer::Pipeline::drawTile(const Frame& frame, const Tile& tile) {
-  const int perPixel = frame.options.samples;
-  const int wide = tile.width * perPixel, high = tile.height * perPixel;
-  const glm::vec2 origin = glm::vec2(tile.x * perPixel, tile.y * perPixel) - frame.centre;
-  std::vector<std::size_t> seen;
-  for (std::size_t k = 0; k < frame.images.size(); ++k) {
+// Of the chunks `seen` those that what is drawn so far does not hide.
+void SplatRenderer::Pipeline::dropHidden(const Frame& frame, const SampleBox& box,
+                                         std::vector<std::size_t>& seen) {
+  const auto width = static_cast<int>(box.high.x - box.low.x);
+  const auto height = static_cast<int>(box.high.y - box.low.y);
+  depths.resize(static_cast<std::size_t>(width) * height);
+  glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+  pyramid.build(depths, width, height);
+  const float perDepth = 1 / (frame.lens.farthest - frame.lens.nearest);
+  std::erase_if(seen, [&](std::size_t k) {
     const ChunkImage& image = frame.images[k];
-    if (image.drawn && image.box.high.x >= origin.x && image.box.high.y >= origin.y &&
-        image.box.low.x <= origin.x + wide && image.box.low.y <= origin.y + high)
-      seen.push_back(k);
-  }
-  const auto add = [&](Ranges& ranges, std::size_t k) {
-    const std::size_t begin = k * SplatChunk::kPoints;
-    ranges.add(shapeOf(frame.images[k], frame.lens.lowPass), begin,
-               std::min(frame.count, begin + SplatChunk::kPoints));
-  };
+    return pyramid.hides({image.box.low - box.low, image.box.high - box.low},
+                         (image.nearest - frame.lens.nearest) * perDepth);
+  });
+}
 
-  // 1. Visibility: the nearest surface, moved back so that all splats of one surface pass.
+// The nearest surface, moved back so that all splats of one surface pass. Drops what it hides: on
+// software OpenGL a splat costs more than asking, and those that look away are most likely hidden.
+void SplatRenderer::Pipeline::drawVisibility(const Frame& frame, const Tile& tile,
+                                             std::vector<std::size_t>& seen) {
+  Ranges first, rest;
+  for (const std::size_t k : seen)
+    if (!software || !frame.images[k].away) add(frame, k, first);
+  drawRanges(first, frame, tile, true);
+  if (!software) return;
+  dropHidden(frame, boxOf(frame, tile), seen);
+  for (const std::size_t k : seen)
+    if (frame.images[k].away) add(frame, k, rest);
+  drawRanges(rest, frame, tile, true);
+}
+
+void SplatRenderer::Pipeline::drawTile(const Frame& frame, const Tile& tile) {
+  const SampleBox box = boxOf(frame, tile);
+  std::vector<std::size_t> seen;
+  for (std::size_t k = 0; k < frame.images.size(); ++k)
+    if (frame.images[k].drawn && overlap(frame.images[k].box, box)) seen.push_back(k);
+
+  // 1. Visibility.
   glBindFramebuffer(GL_FRAMEBUFFER, samples->framebuffer.id());
   glBindVertexArray(buffers.array());
   glEnable(GL_PROGRAM_POINT_SIZE);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_DEPTH_CLAMP);  // discs reach before the near plane
+  for (const GLenum of : {GL_BLEND, GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE}) glDisable(of);
+  glActiveTexture(GL_TEXTURE0);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glClearColor(0, 0, 0, 0);
   glClearDepth(1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  Ranges facing, away, all;
-  for (const std::size_t k : seen)
-    if (!software || !frame.images[k].away) add(facing, k);
-  drawRanges(facing, frame, tile, true);
-  if (software) {
-    depths.resize(static_cast<std::size_t>(wide) * high);
-    glReadPixels(0, 0, wide, high, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
-    pyramid.build(depths, wide, high);
-    const float perDepth = 1 / (frame.lens.farthest - frame.lens.nearest);
-    std::erase_if(seen, [&](std::size_t k) {
-      const ChunkImage& image = frame.images[k];
-      return pyramid.hides({image.box.low - origin, image.box.high - origin},
-                           (image.nearest - frame.lens.nearest) * perDepth);
-    });
-    for (const std::size_t k : seen)
-      if (frame.images[k].away) add(away, k);
-    drawRanges(away, frame, tile, true);
-  }
+  drawVisibility(frame, tile, seen);
 
   // 2. Accumulation of what lies in front of that.
-  for (const std::size_t k : seen) add(all, k);
+  Ranges all;
+  for (const std::size_t k : seen) add(frame, k, all);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
@@ -311,12 +342,54 @@ void SplatRenderer::Pipeline::resolveTile(const Frame& frame, const Tile& tile,
 SplatRenderer::SplatRenderer() : pipeline_(std::make_unique<Pipeline>()) {}
 SplatRenderer::~SplatRenderer() = default;
 
+namespace {
+
+template <typename T>
+std::vector<T> inOrder(const std::vector<T>& column, const std::vector<Index>& order) {
+  std::vector<T> out;
+  out.reserve(order.size());
+  for (const Index point : order) out.push_back(column[point]);
+  return out;
+}
+
+// Copies of columns in the order in which they are drawn.
+struct OrderedColumns {
+  std::vector<vec3> positions, normals, colours;
+  std::vector<float> radii;
+  std::vector<vec2> texel;
+  std::vector<TangentFrame> frame;
+  std::optional<SplatTexture> texture;
+
+  explicit OrderedColumns(const SplatColumns& c)
+      : positions(inOrder(c.positions, *c.order)),
+        normals(inOrder(c.normals, *c.order)),
+        colours(inOrder(c.colours, *c.order)),
+        radii(inOrder(c.radii, *c.order)) {
+    if (!c.texture) return;
+    texel = inOrder(c.texture->texel, *c.order), frame = inOrder(c.texture->frame, *c.order);
+    texture.emplace(
+        SplatTexture{c.texture->swatch, texel, frame, c.texture->scale, c.texture->longestStep});
+  }
+  SplatColumns columns() const {
+    return {positions, normals, colours, radii, texture ? &*texture : nullptr};
+  }
+};
+
+}  // namespace
+
 void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& changes) {
   const std::size_t n = columns.positions.size();
   DAPPLE_CHECK(columns.normals.size(), ==, n);
   DAPPLE_CHECK(columns.colours.size(), ==, n);
   DAPPLE_CHECK(columns.radii.size(), ==, n);
   Pipeline& p = *pipeline_;
+  if (columns.order) {
+    DAPPLE_CHECK(columns.order->size(), ==, n);
+    update(OrderedColumns(columns).columns(), changes);
+    p.order = *columns.order;
+    return;
+  }
+  p.order.clear();
   if (changes.positions) p.buffers.setPositions(columns.positions);
   if (changes.normals) p.buffers.setNormals(columns.normals);
   if (changes.colours) p.buffers.setColours(columns.colours);
@@ -329,7 +402,8 @@ void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& chan
 
 void SplatRenderer::recolour(const std::vector<vec3>& colours) {
   DAPPLE_CHECK(colours.size(), ==, pipeline_->count);
-  pipeline_->buffers.setColours(colours);
+  const std::vector<Index>& order = pipeline_->order;
+  pipeline_->buffers.setColours(order.empty() ? colours : inOrder(colours, order));
   glBindVertexArray(0);
 }
 

@@ -41,9 +41,9 @@ class SplatRenderer {
   // threads. Throws InvalidInput unless 1 <= w, h <= 16384 and the options are in range.
   Image draw(const Camera& camera, int width, int height, const SplatOptions& options);
 
-  // The same into w x h pixels of a framebuffer, without reading it back. What it changes of
-  // OpenGL's state: no program, vertex array, framebuffer or texture is bound afterwards; blending
-  // and the tests are off; all colours and depths are written; the viewport is anywhere.
+  // The same into w x h pixels of a framebuffer, without reading it back, whatever OpenGL's state
+  // is. Afterwards no program, vertex array, framebuffer or texture is bound (texture unit 0 is
+  // active), blending, culling and all tests are off, and the viewport is anywhere.
   void drawInto(const SplatTarget& target, const Camera& camera, int width, int height,
                 const SplatOptions& options);
 

@@ -14,6 +14,9 @@ namespace {
 constexpr float kRadiusPerSpacing = 1.2f;
 constexpr float kMostStray = 2;  // times the spacing of most neighbours, and among the nearest
 constexpr std::size_t kFew = 6;
+// Strewn points, each far from all others: no radius is more than so many times that which all but
+// a few are below.
+constexpr float kMostStrewn = 3, kAllButAFew = 0.98f;
 constexpr int kLargestPicture = 16384;
 constexpr int kLargestSamples = 4;
 
@@ -53,6 +56,12 @@ std::vector<float> splatRadii(const Neighborhoods& neighborhoods) {
                         std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(few) + 0.5f));
     radii[i] = splatRadius(std::min(spacing[i], kMostStray * std::min(*middle, close)));
   }
+  if (radii.empty()) return radii;
+  std::vector<float> sorted = radii;
+  const auto usual = sorted.begin() + static_cast<std::ptrdiff_t>(
+                                          kAllButAFew * static_cast<float>(sorted.size() - 1));
+  std::nth_element(sorted.begin(), usual, sorted.end());
+  for (float& radius : radii) radius = std::min(radius, kMostStrewn * *usual);
   return radii;
 }
 

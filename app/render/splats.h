@@ -1,6 +1,8 @@
 // What is drawn as splats, and how: the same for both renderers.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
 #include <vector>
@@ -32,6 +34,14 @@ struct SplatColumns {
   const std::vector<Index>* order = nullptr;  // n: in which they are drawn; null: as they are
 };
 
+// 8 bits a channel: red in the lowest byte, then green, blue, 255. 0..1, clamped.
+inline std::uint32_t packedColour(const vec3& colour) {
+  const auto byte = [](float v) {
+    return static_cast<std::uint32_t>(std::clamp(255 * v, 0.f, 255.f) + 0.5f);
+  };
+  return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
+}
+
 // The radius that leaves no hole and yet blurs little, for a point that owns a square of surface of
 // this side.
 float splatRadius(float spacing);
@@ -44,12 +54,13 @@ std::vector<float> splatRadii(const Neighborhoods& neighborhoods);
 enum class Shading { Off, Headlight, Studio };
 
 // What the studio's lamps are worth, red, green and blue, for a normal that is turned to the eye:
-// a lamp, times the cosine to it; the sky, times how far the normal looks up, from 0 to 1; and
+// a lamp, times the cosine to it; the sky, times `below` (straight down) to 1 (straight up); and
 // light from behind, times the cube of how far it looks aside, from 0 to 1. x to the right, y up, z
 // to the eye.
 struct StudioLight {
   vec3 towardsKey{-0.45f, 0.60f, 0.66f};
-  vec3 key{0.84f, 0.80f, 0.74f}, sky{0.22f, 0.24f, 0.29f}, rim{0.16f, 0.19f, 0.26f};
+  vec3 key{0.74f, 0.70f, 0.64f}, sky{0.50f, 0.53f, 0.58f}, rim{0.16f, 0.19f, 0.26f};
+  float below = 0.35f;
 };
 inline constexpr StudioLight kStudioLight;
 
