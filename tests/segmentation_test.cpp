@@ -179,13 +179,14 @@ TEST_CASE("the shortest ways are those of Dijkstra's algorithm") {
       surfaceDistances(scene.graph(), seeds, std::numeric_limits<float>::infinity(), scene.monitor);
   std::vector<float> slow(d.size(), std::numeric_limits<float>::infinity());
   for (const Index s : seeds) slow[s] = 0;
-  for (bool changed = true; changed;) {  // Bellman and Ford
+  for (bool changed = true; changed;) {  // Bellman and Ford, links in both directions
     changed = false;
     for (Index i = 0; i < slow.size(); ++i)
       for (std::size_t c = 0; c < 12; ++c) {
         const Index j = scene.neighborhoods.of(i)[c];
         const float length = scene.neighborhoods.distancesOf(i)[c];
         if (slow[i] + length < slow[j]) slow[j] = slow[i] + length, changed = true;
+        if (slow[j] + length < slow[i]) slow[i] = slow[j] + length, changed = true;
       }
   }
   CHECK(d == slow);

@@ -43,8 +43,8 @@ struct WandOptions {
 PointMask wand(const PointGraph& graph, std::span<const vec3> colours, Index seed,
                const WandOptions& options, Monitor& monitor);
 
-// Length of the shortest way along the points' own links from any of the seeds, local units (n);
-// infinite beyond `limit`. Links that only lead back count where nothing else leads.
+// Length of the shortest way along the links from any of the seeds, local units (n); infinite
+// beyond `limit`.
 std::vector<float> surfaceDistances(const PointGraph& graph, std::span<const Index> seeds,
                                     float limit, Monitor& monitor);
 

@@ -82,12 +82,12 @@ void SurfaceWays::drain(float limit, Monitor& monitor) {
 
 bool SurfaceWays::followLinksOfOthers(float limit, Monitor& monitor) {
   const std::size_t n = distance_.size();
-  PointMask reachable(n);
+  PointMask closer(n);
   const auto nearest = [&](std::size_t i) {
     std::pair<float, Index> best{kUnreached, kNone};
     for (std::size_t c = 0; c < links_; ++c) {
       const Index j = graph_.neighborhoods.of(i)[c];
-      if (distance_[j] == kUnreached) continue;
+      if (distance_[j] >= distance_[i]) continue;  // also where neither is reached
       const float distance = distance_[j] + length(i, c);
       if (distance <= limit && distance < kUnreached)
         best = std::min(best, std::pair(distance, label_[j]));
@@ -96,9 +96,9 @@ bool SurfaceWays::followLinksOfOthers(float limit, Monitor& monitor) {
   };
   parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (distance_[i] == kUnreached && nearest(i).second != kNone) reachable.add(i);
+      if (nearest(i) < std::pair(distance_[i], label_[i])) closer.add(i);
   });
-  const std::vector<Index> points = reachable.points();
+  const std::vector<Index> points = closer.points();
   std::vector<std::pair<float, Index>> ways;
   for (const Index i : points) ways.push_back(nearest(i));  // before any of them counts
   for (std::size_t p = 0; p < points.size(); ++p) enter(points[p], ways[p].first, ways[p].second);
