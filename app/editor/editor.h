@@ -10,6 +10,9 @@
 #include "app/editor/scene_view.h"
 #include "app/editor/swatch_library.h"
 #include "app/editor/tools.h"
+#include "app/gui/action_views.h"
+#include "app/gui/file_browser.h"
+#include "app/gui/navigation.h"
 #include "document/engine.h"
 
 namespace dapple {
@@ -26,40 +29,61 @@ class Editor {
   explicit Editor(EditorOptions options);
   ~Editor();
 
-  // As files that are dropped on the window or named on the command line: scans, swatches (for the
-  // chosen region), projects. Refused ones are reported.
+  // As a file that is dropped on the window or named on the command line: a scan, a swatch (for the
+  // chosen region) or a project.
   void open(const std::filesystem::path& path);
 
   // The widgets of one frame of `width` x `height` pixels. True: the next frame is due at once.
-  bool frame(int width, int height, float uiScale);
+  bool frame(int width, int height);
   bool wantsToClose() const { return close_; }
 
   Engine& engine() { return engine_; }
+  const Snapshot& snapshot() const { return *snapshot_; }
   const SceneView& view() const { return view_; }
 
  private:
   struct Layout;
+  enum class Asking { Nothing, Scan, Swatch, Project, SaveProject, Export };
 
+  // editor_actions.cpp
+  void addActions();
+  void addFileActions();
+  void addEditActions();
+  void addRegionActions();
+  void addViewActions();
+  void addToolActions();
+  void ask(Asking what);
+  void answered(const std::filesystem::path& path);
+
+  // editor_panels.cpp
   void startScreen(const Layout& layout);
-  void menuBar();
   void toolbar(const Layout& layout);
+  void toolOptions(const Layout& layout);
   void sidePanel(const Layout& layout);
+  void regionRow(const Region& region);
   void regionList();
   void swatchPanel();
   void methodPanel();
+  void jobPanel();
   void historyPanel();
   void statusBar(const Layout& layout);
+  void notices(const Layout& layout);
+
   void viewPanel(const Layout& layout);
   void navigate(const Layout& layout, bool hovered);
+  void zoomWheel(const Layout& layout);
   void toolInput(const Layout& layout, bool hovered);
   void drawOverlays(const Layout& layout);
-  void shortcuts();
+
   void openSample();
-  void synthesize(std::optional<RegionId> region);
+  void cancel();  // the gesture, else the job
   void say(const std::string& text, bool error);
-  void notices(const Layout& layout);
   const Region& chosen() const;
   void choose(RegionId region);
+  void chooseTool(Tool tool);
+  bool hasScan() const { return snapshot_->document.scan != nullptr; }
+  bool hasSelection() const;
+  bool working() const { return status_.busy && !status_.job.empty(); }
 
   EditorOptions options_;
   Workers workers_;
@@ -71,7 +95,15 @@ class Editor {
   ToolSettings tools_;
   ToolHand hand_;
   SwatchLibrary library_;
+  ActionTable actions_;
+  CommandSearch search_;
+  ShortcutSheet sheet_;
+  FileBrowser browser_;
+  Asking asking_ = Asking::Nothing;
+  const NavigationPreset* navigation_;
   RegionId chosen_ = kUnassigned;
+  std::optional<TextureOptions> editing_;  // while a slider is dragged
+  std::string project_;                    // path, once saved or opened
   std::size_t errors_ = 0, notesSeen_ = 0;
   struct Notice {
     std::string text;
@@ -79,9 +111,9 @@ class Editor {
     float left;  // seconds
   };
   std::deque<Notice> notices_;
+  std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
-  bool moving_ = false;  // the camera is being moved
-  bool settled_ = false;
+  bool settled_ = false;  // the picture is complete
 };
 
 }  // namespace dapple

@@ -1,17 +1,21 @@
 #include "app/editor/option_widgets.h"
 
-#include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "app/gui/item_marks.h"
+#include "app/gui/scopes.h"
 #include "app/gui/theme.h"
+#include "app/gui/widgets.h"
 #include "base/errors.h"
 
 namespace dapple {
 namespace {
+
+constexpr float kLabelWidth = 112;  // logical pixels
 
 std::vector<std::string> choicesOf(const OptionRow& row) {
   std::vector<std::string> names{""};
@@ -62,45 +66,43 @@ struct Widget {
   }
 };
 
-bool optionWidget(TextureOptions& options, const OptionRow& row) {
+OptionEdit optionWidget(TextureOptions& options, const OptionRow& row) {
   const std::string name(row.name), id = "##" + name;
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(name.c_str());
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("%s (%s)", std::string(row.help).c_str(), optionRange(row).c_str());
-  ImGui::SameLine(theme::px(110));
+  tooltip(std::string(row.help) + "\n" + optionRange(row));
+  ImGui::SameLine(theme::px(kLabelWidth));
   ImGui::SetNextItemWidth(-1);
-  bool changed = std::visit(Widget{options, row, id.c_str()}, row.field);
+  const bool changed = std::visit(Widget{options, row, id.c_str()}, row.field);
+  const bool held = ImGui::IsItemActive(), left = ImGui::IsItemDeactivatedAfterEdit();
   markItem("option." + name);
-  const TextureOptions standard;
-  if (optionText(options, row) != optionText(standard, row) &&
-      ImGui::BeginPopupContextItem(("reset " + name).c_str())) {
-    if (ImGui::MenuItem(("Reset to " + optionText(standard, row)).c_str())) {
-      setOption(options, row, optionText(standard, row));
-      changed = true;
+  const std::string standard = optionText(TextureOptions{}, row);
+  if (const scope::ContextPopup popup(("reset " + name).c_str()); popup)
+    if (ImGui::MenuItem(("Reset to " + standard).c_str())) {
+      setOption(options, row, standard);
+      return OptionEdit::Done;
     }
-    ImGui::EndPopup();
-  }
-  return changed;
+  if (left || (changed && !held)) return OptionEdit::Done;
+  return changed ? OptionEdit::Changing : OptionEdit::None;
 }
 
 }  // namespace
 
-bool optionWidgets(TextureOptions& options) {
+OptionEdit optionWidgets(TextureOptions& options) {
   TextureOptions edited = options;
-  bool changed = false;
+  OptionEdit edit = OptionEdit::None;
   for (const OptionRow& row : optionsTable()) {
     if (row.name == "threads") continue;  // the engine's
-    changed |= optionWidget(edited, row);
+    edit = std::max(edit, optionWidget(edited, row));
   }
-  if (!changed) return false;
+  if (edit == OptionEdit::None) return edit;
   try {
     validate(edited);
   } catch (const InvalidInput&) {
-    return false;  // half typed
+    return OptionEdit::None;  // half typed
   }
   options = edited;
-  return true;
+  return edit;
 }
 
 }  // namespace dapple

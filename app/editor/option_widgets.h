@@ -5,8 +5,11 @@
 
 namespace dapple {
 
-// A row for every option of a synthesis, with its range, help and a way back to the default. True:
-// one was changed, and is in range.
-bool optionWidgets(TextureOptions& options);
+// Changing: a slider is being dragged or a number typed. Done: an option has a new value.
+enum class OptionEdit { None, Changing, Done };
+
+// A row for every option of a synthesis, with its range, help and, by the right mouse button, a way
+// back to the default. Options are always in range.
+OptionEdit optionWidgets(TextureOptions& options);
 
 }  // namespace dapple

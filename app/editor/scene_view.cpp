@@ -1,9 +1,10 @@
 #include "app/editor/scene_view.h"
 
-#include <algorithm>
+#include <array>
 #include <chrono>
 
 #include "app/render/splats.h"
+#include "base/errors.h"
 
 namespace dapple {
 namespace {
@@ -115,7 +116,7 @@ void SceneView::recolour() {
     try {
       ViewColours view = viewColours(settings_.show, columns);
       colours_ = std::move(view.colours), legend_ = view.legend;
-    } catch (const InvalidInput& error) {
+    } catch (const InvalidInput&) {
       missing_ = "Nothing to show here yet: synthesize a region first.";
       colours_ = shown;
     }

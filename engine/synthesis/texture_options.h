@@ -29,6 +29,8 @@ struct TextureOptions {
   double sizeLimit = 0.8;
   std::uint64_t seed = 1;
   int threads = 0;
+
+  bool operator==(const TextureOptions&) const = default;
 };
 
 }  // namespace dapple

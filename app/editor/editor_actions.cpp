@@ -1,0 +1,361 @@
+// What the user can do: one table for menus, keys, help and command search.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/editor/editor_layout.h"
+
+namespace dapple {
+namespace {
+
+struct ToolRow {
+  Tool tool;
+  const char *id, *label, *keys, *help;
+  Icon icon;
+};
+constexpr ToolRow kTools[] = {
+    {Tool::Brush, "tool.brush", "Brush", "B", "Selects what it passes over on the surface.",
+     Icon::brush},
+    {Tool::Rectangle, "tool.rectangle", "Rectangle", "R", "Selects what lies inside.",
+     Icon::rectangle},
+    {Tool::Lasso, "tool.lasso", "Lasso", "L", "Selects what lies inside a line drawn freely.",
+     Icon::lasso},
+    {Tool::Polygon, "tool.polygon", "Polygon", "P",
+     "Click the corners; a double click or the first corner ends it. Backspace takes one back.",
+     Icon::polygon},
+    {Tool::Wand, "tool.wand", "Wand", "W", "Selects what is like the point clicked on.",
+     Icon::wand},
+    {Tool::Stroke, "tool.stroke", "Orientation", "O",
+     "Stroke over the surface where the swatch's top is to point.", Icon::orientation},
+};
+
+const std::vector<FileKind> kScans{{"Scans", {".ply", ".obj", ".xyz", ".txt"}}, {"All files", {}}};
+const std::vector<FileKind> kSwatches{
+    {"Images", {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp", ".webp", ".tga"}},
+    {"All files", {}}};
+const std::vector<FileKind> kProjects{{"Projects", {".dapple"}}};
+const std::vector<FileKind> kExports{{"PLY", {".ply"}}};
+
+}  // namespace
+
+void Editor::ask(Asking what) {
+  asking_ = what;
+  FileQuestion question;
+  switch (what) {
+    case Asking::Scan:
+      question = {.title = "Open scan", .kinds = kScans};
+      break;
+    case Asking::Swatch:
+      question = {
+          .title = "Choose a swatch", .folder = options_.assets / "swatches", .kinds = kSwatches};
+      break;
+    case Asking::Project:
+      question = {.title = "Open project", .kinds = kProjects};
+      break;
+    case Asking::SaveProject:
+      question = {.purpose = BrowseFor::save,
+                  .title = "Save project",
+                  .name = "untitled",
+                  .kinds = kProjects};
+      break;
+    default:
+      question = {.purpose = BrowseFor::save,
+                  .title = "Export the textured scan",
+                  .accept = "Export",
+                  .name = "textured",
+                  .kinds = kExports};
+  }
+  browser_.open(std::move(question));
+}
+
+void Editor::answered(const std::filesystem::path& path) {
+  if (asking_ == Asking::SaveProject) {
+    project_ = path.string();
+    engine_.submit(SaveProject{project_});
+  } else if (asking_ == Asking::Export) {
+    engine_.submit(ExportScan{path.string(), {.sourceMap = true}});
+  } else {
+    open(path);
+  }
+  asking_ = Asking::Nothing;
+}
+
+void Editor::addFileActions() {
+  actions_.add({.id = "file.open",
+                .label = "Open scan...",
+                .menu = "File",
+                .shortcuts = shortcuts("Ctrl+O"),
+                .help = "A point cloud or a mesh: PLY, OBJ, XYZ.",
+                .icon = Icon::folder,
+                .run = [this] { ask(Asking::Scan); }});
+  actions_.add({.id = "file.open-project",
+                .label = "Open project...",
+                .menu = "File",
+                .shortcuts = shortcuts("Ctrl+Shift+O"),
+                .run = [this] { ask(Asking::Project); }});
+  actions_.add({.id = "file.sample",
+                .label = "Open the sample",
+                .menu = "File",
+                .help = "A small scan with a swatch, textured at once.",
+                .icon = Icon::play,
+                .run = [this] { openSample(); }});
+  actions_.add({.id = "file.save",
+                .label = "Save project",
+                .menu = "File",
+                .shortcuts = shortcuts("Ctrl+S"),
+                .icon = Icon::save,
+                .separatorBefore = true,
+                .enabled = [this] { return hasScan(); },
+                .run =
+                    [this] {
+                      if (project_.empty())
+                        ask(Asking::SaveProject);
+                      else
+                        engine_.submit(SaveProject{project_});
+                    }});
+  actions_.add({.id = "file.save-as",
+                .label = "Save project as...",
+                .menu = "File",
+                .shortcuts = shortcuts("Ctrl+Shift+S"),
+                .enabled = [this] { return hasScan(); },
+                .run = [this] { ask(Asking::SaveProject); }});
+  actions_.add({.id = "file.export",
+                .label = "Export scan...",
+                .menu = "File",
+                .shortcuts = shortcuts("Ctrl+E"),
+                .help = "As PLY with its colours and source map; the file's other columns stay.",
+                .icon = Icon::exportFile,
+                .enabled = [this] { return snapshot_->document.results.colour != nullptr; },
+                .run = [this] { ask(Asking::Export); }});
+  actions_.add({.id = "file.quit",
+                .label = "Quit",
+                .menu = "File",
+                .shortcuts = shortcuts("Ctrl+Q"),
+                .separatorBefore = true,
+                .run = [this] { close_ = true; }});
+}
+
+void Editor::addEditActions() {
+  const auto scan = [this] { return hasScan(); };
+  const auto selection = [this] { return hasSelection(); };
+  const auto add = [this](const char* id, const char* label, const char* keys, Icon icon,
+                          std::function<bool()> enabled, Command command) {
+    actions_.add({.id = id,
+                  .label = label,
+                  .menu = "Edit",
+                  .shortcuts = shortcuts(keys),
+                  .icon = icon,
+                  .separatorBefore = std::string_view(id) == "select.all",
+                  .enabled = std::move(enabled),
+                  .run = [this, command] { engine_.submit(command); }});
+  };
+  add(
+      "edit.undo", "Undo", "Ctrl+Z", Icon::undo, [this] { return snapshot_->cursor > 0; }, Undo{});
+  add(
+      "edit.redo", "Redo", "Ctrl+Shift+Z, Ctrl+Y", Icon::redo,
+      [this] { return snapshot_->cursor + 1 < snapshot_->history->size(); }, Redo{});
+  add("select.all", "Select all", "Ctrl+A", Icon::none, scan, SelectAll{});
+  add("select.none", "Select none", "Ctrl+Shift+A", Icon::none, selection, Select{});
+  add("select.invert", "Invert selection", "Ctrl+I", Icon::invert, scan, InvertSelection{});
+  add("select.grow", "Grow selection", "Ctrl+Numpad +", Icon::grow, selection, GrowSelection{});
+  add("select.shrink", "Shrink selection", "Ctrl+Numpad -", Icon::shrink, selection,
+      ShrinkSelection{});
+}
+
+void Editor::addRegionActions() {
+  actions_.add({.id = "region.add",
+                .label = "New region from selection",
+                .menu = "Region",
+                .shortcuts = shortcuts("Ctrl+G"),
+                .icon = Icon::plus,
+                .enabled = [this] { return hasSelection(); },
+                .run = [this] { engine_.submit(AddRegion{}); }});
+  actions_.add({.id = "region.assign",
+                .label = "Add selection to region",
+                .menu = "Region",
+                .shortcuts = shortcuts("G"),
+                .help = "The selected points become the chosen region's.",
+                .icon = Icon::fill,
+                .enabled = [this] { return hasSelection(); },
+                .run = [this] { engine_.submit(AssignSelection{chosen_}); }});
+  actions_.add({.id = "region.select",
+                .label = "Select region",
+                .menu = "Region",
+                .enabled = [this] { return hasScan(); },
+                .run = [this] { engine_.submit(SelectRegion{chosen_}); }});
+  actions_.add({.id = "region.segment",
+                .label = "Segment automatically",
+                .menu = "Region",
+                .help = "Four parts that end at creases and where the colour changes.",
+                .icon = Icon::split,
+                .enabled = [this] { return hasScan(); },
+                .run = [this] { engine_.submit(SegmentAutomatically{}); }});
+  actions_.add({.id = "region.remove",
+                .label = "Remove region",
+                .menu = "Region",
+                .icon = Icon::trash,
+                .enabled = [this] { return chosen_ != kUnassigned; },
+                .run = [this] { engine_.submit(RemoveRegion{chosen_}); }});
+  actions_.add({.id = "region.swatch",
+                .label = "Choose swatch...",
+                .menu = "Region",
+                .shortcuts = shortcuts("I"),
+                .icon = Icon::grid,
+                .separatorBefore = true,
+                .run = [this] { ask(Asking::Swatch); }});
+  actions_.add({.id = "synthesize.region",
+                .label = "Synthesize region",
+                .menu = "Region",
+                .shortcuts = shortcuts("Ctrl+Enter"),
+                .icon = Icon::play,
+                .enabled = [this] { return hasScan() && chosen().swatch && !working(); },
+                .run = [this] { engine_.submit(Synthesize{chosen_}); }});
+  actions_.add({.id = "synthesize.all",
+                .label = "Synthesize all",
+                .menu = "Region",
+                .shortcuts = shortcuts("Ctrl+Shift+Enter"),
+                .icon = Icon::play,
+                .enabled =
+                    [this] {
+                      const auto& regions = *snapshot_->document.regions;
+                      return hasScan() && !working() &&
+                             std::any_of(regions.begin(), regions.end(), [](const Region& region) {
+                               return region.swatch && !region.locked;
+                             });
+                    },
+                .run = [this] { engine_.submit(Synthesize{}); }});
+}
+
+void Editor::addViewActions() {
+  const auto key = [](View view) {
+    switch (view) {
+      case View::Colour:
+        return "C";
+      case View::Normals:
+        return "N";
+      case View::State:
+        return "D";
+      case View::Regions:
+        return "S";
+      default:
+        return "";
+    }
+  };
+  for (const NamedView& view : allViews())
+    actions_.add({.id = fmt::format("show.{}", view.name),
+                  .label = fmt::format("Show {}", view.name),
+                  .menu = "View",
+                  .shortcuts = shortcuts(key(view.view)),
+                  .help = std::string(view.shows),
+                  .checked = [this, show = view.view] { return settings_.show == show; },
+                  .run = [this, show = view.view] { settings_.show = show; }});
+  const std::pair<const char*, Shading> lights[] = {
+      {"off", Shading::Off}, {"headlight", Shading::Headlight}, {"studio", Shading::Studio}};
+  for (const auto& [name, shading] : lights)
+    actions_.add({.id = fmt::format("shading.{}", name),
+                  .label = name,
+                  .menu = "View/Light",
+                  .checked = [this, light = shading] { return settings_.shading == light; },
+                  .run = [this, light = shading] { settings_.shading = light; }});
+  const std::pair<const char*, const char*> directions[] = {{"front", "Numpad 1"},
+                                                            {"back", "Ctrl+Numpad 1"},
+                                                            {"right", "Numpad 3"},
+                                                            {"left", "Ctrl+Numpad 3"},
+                                                            {"top", "Numpad 7"},
+                                                            {"bottom", "Ctrl+Numpad 7"},
+                                                            {"iso", ""}};
+  for (const auto& [name, keys] : directions)
+    actions_.add({.id = fmt::format("view.{}", name),
+                  .label = name,
+                  .menu = "View/Look from",
+                  .shortcuts = shortcuts(keys),
+                  .run = [this, from = std::string(name)] { view_.camera().setView(from); }});
+  actions_.add({.id = "view.perspective",
+                .label = "Perspective",
+                .menu = "View",
+                .shortcuts = shortcuts("Numpad 5"),
+                .separatorBefore = true,
+                .checked = [this] { return !view_.camera().orthographic; },
+                .run = [this] { view_.camera().toggleProjection(); }});
+  actions_.add({.id = "view.frame",
+                .label = "Frame selection",
+                .menu = "View",
+                .shortcuts = shortcuts("F, ."),
+                .icon = Icon::frame,
+                .run = [this] { view_.frameSelection(); }});
+  actions_.add({.id = "view.frame-all",
+                .label = "Frame all",
+                .menu = "View",
+                .shortcuts = shortcuts("Shift+F, Home"),
+                .run = [this] { view_.frameAll(); }});
+  actions_.add({.id = "view.strokes",
+                .label = "Strokes",
+                .menu = "View",
+                .checked = [this] { return settings_.strokes; },
+                .run = [this] { settings_.strokes = !settings_.strokes; }});
+}
+
+void Editor::addToolActions() {
+  for (const ToolRow& row : kTools)
+    actions_.add({.id = row.id,
+                  .label = row.label,
+                  .menu = "Tools",
+                  .shortcuts = shortcuts(row.keys),
+                  .help = row.help,
+                  .icon = row.icon,
+                  .checked = [this, tool = row.tool] { return tools_.tool == tool; },
+                  .run = [this, tool = row.tool] { chooseTool(tool); }});
+  actions_.add({.id = "tool.through",
+                .label = "Select through",
+                .menu = "Tools",
+                .shortcuts = shortcuts("X"),
+                .help = "Also what the surface hides.",
+                .separatorBefore = true,
+                .checked = [this] { return tools_.through; },
+                .run = [this] { tools_.through = !tools_.through; }});
+  const auto resize = [this](const char* id, const char* label, const char* keys, float factor) {
+    actions_.add({.id = id,
+                  .label = label,
+                  .menu = "Tools",
+                  .shortcuts = shortcuts(keys),
+                  .repeats = true,
+                  .run = [this, factor] {
+                    tools_.brushRadius = std::clamp(factor * tools_.brushRadius, 3.f, 500.f);
+                  }});
+  };
+  resize("brush.smaller", "Smaller brush", "[", 1 / 1.15f);
+  resize("brush.larger", "Larger brush", "]", 1.15f);
+  actions_.add({.id = "tool.cancel",
+                .label = "Cancel",
+                .menu = "Tools",
+                .shortcuts = shortcuts("Escape"),
+                .help = "The gesture that goes on, else the job.",
+                .run = [this] { cancel(); }});
+  actions_.add({.id = "tool.take-back",
+                .label = "Take back the last corner",
+                .menu = "Tools",
+                .shortcuts = shortcuts("Backspace"),
+                .run = [this] { hand_.takeBack(); }});
+}
+
+void Editor::addActions() {
+  addFileActions();
+  addEditActions();
+  addRegionActions();
+  addViewActions();
+  addToolActions();
+  actions_.add({.id = "help.search",
+                .label = "Search commands...",
+                .menu = "Help",
+                .shortcuts = shortcuts("Ctrl+K, F3"),
+                .icon = Icon::search,
+                .run = [this] { search_.open(); }});
+  actions_.add({.id = "help.keys",
+                .label = "Keys and mouse...",
+                .menu = "Help",
+                .shortcuts = shortcuts("F1, ?"),
+                .icon = Icon::info,
+                .run = [this] { sheet_.open(); }});
+}
+
+}  // namespace dapple

@@ -1,0 +1,40 @@
+// Where everything is in a frame, and what all parts of the editor's window are made of.
+#pragma once
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <string>
+
+#include "app/editor/editor.h"
+
+namespace dapple {
+
+// Pixels.
+struct Editor::Layout {
+  float width, height, menu, status, left, right, uiScale;
+
+  ImVec2 viewMin() const { return {left, menu}; }
+  ImVec2 viewSize() const {
+    return {std::max(1.f, width - left - right), std::max(1.f, height - menu - status)};
+  }
+  Viewport viewport() const {
+    return {static_cast<int>(viewSize().x), static_cast<int>(viewSize().y)};
+  }
+  // A place on the screen in the picture's pixels.
+  vec2 inView(ImVec2 at) const { return {at.x - left, at.y - menu}; }
+};
+
+inline constexpr ImGuiWindowFlags kFixedWindow =
+    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNavFocus;
+
+// 34,834
+inline std::string grouped(std::size_t n) {
+  std::string digits = std::to_string(n);
+  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), ",");
+  return digits;
+}
+
+}  // namespace dapple
