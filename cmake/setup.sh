@@ -19,6 +19,10 @@ libcli11-dev       | build | required | the command line
 nlohmann-json3-dev | build | required | JSON reports
 doctest-dev        | build | required | unit tests
 libosmesa6-dev     | build | required | OpenGL pictures without a display
+libglfw3-dev       | build | required | the window on the desktop
+libimgui-dev       | build | required | the buttons and fields in the window
+libfreetype-dev    | build | required | letters that are sharp at any size
+fonts-dejavu-core  | build | optional | the typeface of the window; else a coarser one that is built in
 libopenimageio-dev | build | required | reads and writes images
 python3-glad       | build | required | writes the OpenGL loader at build time
 glmark2-data       | demo  | optional | the bunny that the demo textures

@@ -133,7 +133,7 @@ std::string shownSize(std::uint64_t bytes) {
     value /= 1000;
     ++unit;
   }
-  return fmt::format(value < 9.95 ? "{:.1f} {}" : "{:.0f} {}", value, kUnits[unit]);
+  return fmt::format("{:.{}f} {}", value, value < 9.95 ? 1 : 0, kUnits[unit]);
 }
 
 std::string shownDate(fs::file_time_type time) {
