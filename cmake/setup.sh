@@ -21,9 +21,12 @@ doctest-dev        | build | required | unit tests
 libosmesa6-dev     | build | required | OpenGL pictures without a display
 libopenimageio-dev | build | required | reads and writes images
 python3-glad       | build | required | writes the OpenGL loader at build time
+python3            | build | required | writes the man page and the completions
 glmark2-data       | demo  | optional | the bunny that the demo textures
 clang-format       | ci    | required | checks the format of the sources
 universal-ctags    | ci    | required | checks the length of functions
+desktop-file-utils | ci    | required | checks the menu entry
+appstream          | ci    | required | checks the metainfo
 '
 
 die() { printf '\nset-up failed: %s\n' "$1" >&2; exit 1; }
