@@ -25,9 +25,12 @@ libfreetype-dev    | build | required | letters that are sharp at any size
 fonts-dejavu-core  | build | optional | the typeface of the window; else a coarser one that is built in
 libopenimageio-dev | build | required | reads and writes images
 python3-glad       | build | required | writes the OpenGL loader at build time
+python3            | build | required | writes the man page and the completions
 glmark2-data       | demo  | optional | the bunny that the demo textures
 clang-format       | ci    | required | checks the format of the sources
 universal-ctags    | ci    | required | checks the length of functions
+desktop-file-utils | ci    | required | checks the menu entry
+appstream          | ci    | required | checks the metainfo
 '
 
 die() { printf '\nset-up failed: %s\n' "$1" >&2; exit 1; }
