@@ -52,6 +52,7 @@ int report(int code, const char* prefix, const char* text) {
 // without a word after it gets its value here: CLI11 would take the scan's name for it.
 std::vector<std::string> argumentsOf(int argc, char** argv) {
   std::vector<std::string> all(argv + 1, argv + argc);
+  if (all.empty()) return {"edit"};
   const auto isWord = [](const std::string& text) {
     return !text.empty() && text.find_first_not_of("abcdefghijklmnopqrstuvwxyz") == text.npos;
   };
@@ -122,10 +123,11 @@ int runCommandLine(int argc, char** argv) {
   CLI::App app{"Dapple textures point-sampled scans by example.", "dapple"};
   app.set_version_flag("--version", DAPPLE_VERSION);
   app.require_subcommand(1);
-  std::vector<CommonOptions> common(4);
+  std::vector<CommonOptions> common(5);
   const std::vector<Subcommand> commands{
       addTextureCommand(app, common[0]), addInfoCommand(app, common[1]),
-      addRenderCommand(app, common[2]), addScoreCommand(app, common[3])};
+      addRenderCommand(app, common[2]), addScoreCommand(app, common[3]),
+      addEditCommand(app, common[4])};
   try {
     app.parse(argumentsOf(argc, argv));
     for (const Subcommand& command : commands)

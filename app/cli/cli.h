@@ -19,16 +19,16 @@ struct CommonOptions {
 };
 
 // A subcommand registers itself and its options, and returns what to run when it was chosen.
-using Command = std::function<void(Monitor&)>;
 struct Subcommand {
   CLI::App* app = nullptr;
   const CommonOptions* common = nullptr;
-  Command run;
+  std::function<void(Monitor&)> run;
 };
 Subcommand addTextureCommand(CLI::App& app, CommonOptions& common);
 Subcommand addInfoCommand(CLI::App& app, CommonOptions& common);
 Subcommand addRenderCommand(CLI::App& app, CommonOptions& common);
 Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
+Subcommand addEditCommand(CLI::App& app, CommonOptions& common);
 
 // An option, or a flag, of the options table: help, default, range and behaviour cannot differ.
 void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options);

@@ -14,9 +14,8 @@ namespace dapple {
 namespace {
 
 constexpr DetailPacer::Milliseconds kBudget(25);  // of a frame's 33 ms, for the picture
-constexpr float kNoticeSeconds = 8;
-constexpr float kBrushStep = 1.15f;  // times, a notch of the wheel
-constexpr float kPick = 4;           // logical pixels
+constexpr float kBrushStep = 1.15f;               // times, a notch of the wheel
+constexpr float kPick = 4;                        // logical pixels
 constexpr char kProject[] = ".dapple";
 
 bool isImage(const std::filesystem::path& path) {
@@ -66,10 +65,6 @@ void Editor::chooseTool(Tool tool) {
 bool Editor::hasSelection() const {
   const PointMask* selection = snapshot_->document.selection.get();
   return selection && selection->count() > 0;
-}
-
-void Editor::say(const std::string& text, bool error) {
-  notices_.push_back({text, error, kNoticeSeconds});
 }
 
 void Editor::open(const std::filesystem::path& path) {
@@ -221,11 +216,12 @@ bool Editor::frame(int width, int height) {
   sidePanel(layout);
   statusBar(layout);
   if (!hasScan() && !status_.busy) startScreen(layout);
-  notices(layout);
+  takeMessages();
+  notices_.drawToasts(layout.width - layout.right, layout.height - layout.status);
   search_.draw(actions_);
   sheet_.draw(actions_);
   if (const auto path = browser_.draw()) answered(*path);
-  return !settled_ || library_.loading() || !notices_.empty() || browser_.busy();
+  return !settled_ || library_.loading() || notices_.passing() || browser_.busy();
 }
 
 }  // namespace dapple

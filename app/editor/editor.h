@@ -2,7 +2,6 @@
 // the engine's snapshot and what the user interface remembers.
 #pragma once
 
-#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "app/gui/action_views.h"
 #include "app/gui/file_browser.h"
 #include "app/gui/navigation.h"
+#include "app/gui/notices.h"
 #include "document/engine.h"
 
 namespace dapple {
@@ -67,7 +67,7 @@ class Editor {
   void jobPanel();
   void historyPanel();
   void statusBar(const Layout& layout);
-  void notices(const Layout& layout);
+  void takeMessages();
 
   void viewPanel(const Layout& layout);
   void navigate(const Layout& layout, bool hovered);
@@ -77,7 +77,6 @@ class Editor {
 
   void openSample();
   void cancel();  // the gesture, else the job
-  void say(const std::string& text, bool error);
   const Region& chosen() const;
   void choose(RegionId region);
   void chooseTool(Tool tool);
@@ -104,13 +103,8 @@ class Editor {
   RegionId chosen_ = kUnassigned;
   std::optional<TextureOptions> editing_;  // while a slider is dragged
   std::string project_;                    // path, once saved or opened
-  std::size_t errors_ = 0, notesSeen_ = 0;
-  struct Notice {
-    std::string text;
-    bool error;
-    float left;  // seconds
-  };
-  std::deque<Notice> notices_;
+  std::size_t errors_ = 0, notes_ = 0;     // of the engine's, that the user has been told
+  Notices notices_;
   std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
   bool settled_ = false;  // the picture is complete

@@ -72,8 +72,9 @@ void Editor::toolOptions(const Layout& layout) {
   if (!hasScan()) return;
   ImGui::SetNextWindowPos({layout.left + px(theme::kGap), layout.menu + px(theme::kGap)});
   ImGui::SetNextWindowBgAlpha(0.85f);
-  const scope::Window window("tool options", nullptr,
-                             kFixedWindow | ImGuiWindowFlags_AlwaysAutoResize);
+  const scope::Window window(
+      "tool options", nullptr,
+      (kFixedWindow & ~ImGuiWindowFlags_NoBringToFrontOnFocus) | ImGuiWindowFlags_AlwaysAutoResize);
   const scope::ItemWidth width(px(120));
   if (tools_.tool == Tool::Brush)
     ImGui::SliderFloat("Radius", &tools_.brushRadius, 3, 500, "%.0f px",
@@ -254,28 +255,10 @@ void Editor::statusBar(const Layout& layout) {
   ImGui::TextUnformatted(drawn);
 }
 
-void Editor::notices(const Layout& layout) {
-  if (status_.errors != errors_) say(status_.error, true);
-  if (status_.notes != notesSeen_) say(status_.note, false);
-  errors_ = status_.errors, notesSeen_ = status_.notes;
-  float bottom = layout.height - layout.status - px(theme::kGapLarge);
-  const float wrap = px(420);
-  ImDrawList* list = ImGui::GetForegroundDrawList();
-  for (Notice& notice : notices_) {
-    notice.left -= ImGui::GetIO().DeltaTime;
-    const ImVec2 text = ImGui::CalcTextSize(notice.text.c_str(), nullptr, false, wrap);
-    const ImVec2 padding = px(14, 10);
-    const ImVec2 max{layout.left + px(theme::kGapLarge) + text.x + 2 * padding.x, bottom};
-    const ImVec2 min{layout.left + px(theme::kGapLarge), bottom - text.y - 2 * padding.y};
-    list->AddRectFilled(min, max, theme::packed(theme::kRaised), px(theme::kRadius));
-    list->AddRectFilled(min, {min.x + px(4), max.y},
-                        theme::packed(notice.error ? theme::kError : theme::kInfo),
-                        px(theme::kRadius), ImDrawFlags_RoundCornersLeft);
-    list->AddText(nullptr, 0, {min.x + padding.x, min.y + padding.y}, theme::packed(theme::kText),
-                  notice.text.c_str(), nullptr, wrap);
-    bottom = min.y - px(theme::kGap);
-  }
-  std::erase_if(notices_, [](const Notice& notice) { return notice.left <= 0; });
+void Editor::takeMessages() {
+  if (status_.errors != errors_) notices_.error(status_.error);
+  if (status_.notes != notes_) notices_.info(status_.note);
+  errors_ = status_.errors, notes_ = status_.notes;
 }
 
 }  // namespace dapple

@@ -169,11 +169,11 @@ bool SceneView::draw(Viewport size, DetailPacer::Milliseconds budget) {
                      ? settings_.shading
                      : Shading::Headlight,
       .background = settings_.background};
-  const bool complete = live_.frame(pictureCamera(), size.width, size.height, options, budget) ==
-                        LiveView::Progress::Complete;
+  complete_ = live_.frame(pictureCamera(), size.width, size.height, options, budget) ==
+              LiveView::Progress::Complete;
   if (live_.version() != uploaded_) upload();
   uploaded_ = live_.version();
-  return !complete || loading();
+  return !complete();
 }
 
 PickView SceneView::pickView(const Camera& camera, bool through) const {

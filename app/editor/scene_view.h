@@ -45,6 +45,8 @@ class SceneView {
   // In the direction of the camera, all of the scan or what is selected.
   void frameAll();
   void frameSelection();
+  // The picture is that of the snapshot, at full detail.
+  bool complete() const { return complete_ && !loading() && !stale_; }
   // Of the last picture.
   Camera pictureCamera() const { return camera_.camera(bounds()); }
   const Raster& picture() const { return live_.picture(); }
@@ -85,6 +87,7 @@ class SceneView {
   std::optional<HeatRange> legend_;
   std::string missing_;
   bool stale_ = false;  // the colours are to be made again
+  bool complete_ = true;
 };
 
 }  // namespace dapple
