@@ -17,6 +17,7 @@ using theme::px;
 
 constexpr float kSwatchSide = 58;      // logical pixels
 constexpr float kHistoryHeight = 170;  // logical pixels
+constexpr float kJobHeight = 80;       // logical pixels, while something is synthesized
 
 void gap(float logical = theme::kGap) {
   ImGui::Dummy(px(0, logical));
@@ -184,7 +185,6 @@ void Editor::methodPanel() {
 }
 
 void Editor::jobPanel() {
-  gap(theme::kGapSmall);
   if (!working()) {
     actionTextButton(actions_, "synthesize.all", true, -1);
     return;
@@ -219,13 +219,16 @@ void Editor::historyPanel() {
 
 void Editor::sidePanel(const Layout& layout) {
   placeWindow({layout.width - layout.right, layout.menu}, {layout.right, layout.viewSize().y});
-  const scope::Window window("side", nullptr, kFixedWindow & ~(ImGuiWindowFlags_NoScrollbar));
-  regionList();
-  swatchPanel();
-  methodPanel();
+  const scope::Window window("side", nullptr, kFixedWindow);
+  // What starts and stops the work is always in sight.
+  const float footer = px(working() ? kJobHeight : theme::kButtonHeight + theme::kGap);
+  if (const scope::Child panels("panels", {0, -footer}); panels) {
+    regionList();
+    swatchPanel();
+    methodPanel();
+    historyPanel();
+  }
   jobPanel();
-  gap();
-  historyPanel();
 }
 
 void Editor::statusBar(const Layout& layout) {
