@@ -164,7 +164,8 @@ constexpr ImGuiWindowFlags kOverlay =
 
 bool clickedBeside() {
   return ImGui::IsMouseClicked(0) && !ImGui::IsWindowAppearing() &&
-         !ImGui::IsWindowHovered(ImGuiHoveredFlags_RootAndChildWindows);
+         !ImGui::IsWindowHovered(ImGuiHoveredFlags_RootAndChildWindows |
+                                 ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
 }
 
 }  // namespace

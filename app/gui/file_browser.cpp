@@ -409,9 +409,11 @@ void FileBrowser::drawRow(std::size_t row, float height) {
   list.AddText({min.x + width - columns + gap, textY}, muted, size.c_str());
   list.AddText({min.x + width - px(kDateWidth) + gap, textY}, muted,
                shownDate(entry.changed).c_str());
-  if (!clicked && !(hovered && ImGui::IsMouseDoubleClicked(0))) return;
-  select(row);
-  if (ImGui::IsMouseDoubleClicked(0) || ImGui::GetIO().MouseClickedLastCount[0] >= 2) activate(row);
+  // The release that ends a double click belongs to it, not to the row that came under it.
+  if (hovered && ImGui::IsMouseDoubleClicked(0))
+    activate(row);
+  else if (clicked && ImGui::GetIO().MouseClickedLastCount[0] < 2)
+    select(row);
 }
 
 void FileBrowser::drawEntries() {

@@ -52,6 +52,23 @@ void tooltip(std::string_view text, std::string_view keys = {});
 bool searchField(const char* id, const char* hint, std::string& text, float width = -1,
                  bool focus = false);
 
+// A value that is dragged between `low` and `high`, with its label above and its value to the
+// right, where it can be typed; a double click takes `usual`. Changed?
+bool slider(const char* label, float& value, float low, float high, const char* format, float usual,
+            std::string_view mark = {});
+
+struct ListRow {
+  const char* id = "";  // also what it says
+  bool selected = false;
+  Icon icon = Icon::none;
+  std::string note;   // muted, at the right
+  float indent = 0;   // logical pixels
+  float reserve = 0;  // pixels left free at the right, for buttons that overlap
+  std::string_view mark = {};
+};
+// A row of a list over the whole width, kRowHeight high; clicked?
+bool listRow(const ListRow& row);
+
 // A switch: checkbox with our look, label to the right.
 bool toggle(const char* label, bool& value, std::string_view mark = {});
 
