@@ -536,7 +536,7 @@ struct Gallery {
       textButton("Quiet", ButtonKind::quiet);
       ImGui::SameLine();
       textButton("Delete", ButtonKind::danger, Icon::trash);
-      slider("Scale", value, 0, 1, "%.2f", 0.25f, "scale");
+      slider({.label = "Scale", .usual = 0.25f, .mark = "scale"}, value);
       ImGui::Checkbox("Checkbox", &box);
       ImGui::SameLine();
       toggle("On", on);

@@ -295,34 +295,38 @@ bool searchField(const char* id, const char* hint, std::string& words, float wid
   return changed || emptied;
 }
 
-bool slider(const char* label, float& value, float low, float high, const char* format, float usual,
-            std::string_view markId) {
-  const scope::Id scoped(label);
+bool slider(const Slider& slider, float& value) {
+  const scope::Id scoped(slider.label);
   const scope::Group group;
-  const float width = ImGui::CalcItemWidth(), height = px(16);
+  const scope::Style spacing(ImGuiStyleVar_ItemSpacing, px(kGapSmall, kGapTiny));
+  const ImGuiIO& io = ImGui::GetIO();
+  const float width = ImGui::CalcItemWidth(), height = px(16), field = px(64);
   const float before = value;
-  const float valueWidth = px(64);
   {
-    const scope::Style spacing(ImGuiStyleVar_ItemSpacing, px(kGapSmall, kGapTiny));
+    const scope::Style padding(ImGuiStyleVar_FramePadding, px(kGap, 3));
     const float x = ImGui::GetCursorPosX();
     ImGui::AlignTextToFramePadding();
-    text(std::string_view(label, ImGui::FindRenderedTextEnd(label)));
+    text(std::string_view(slider.label, ImGui::FindRenderedTextEnd(slider.label)));
     ImGui::SameLine();
-    ImGui::SetCursorPosX(x + width - valueWidth);
-    ImGui::SetNextItemWidth(valueWidth);
-    const scope::Style padding(ImGuiStyleVar_FramePadding, px(kGap, 3));
-    if (ImGui::InputFloat("##value", &value, 0, 0, format)) value = std::clamp(value, low, high);
+    ImGui::SetCursorPosX(x + width - field);
+    ImGui::SetNextItemWidth(field);
+    if (ImGui::InputFloat("##value", &value, 0, 0, slider.format))
+      value = std::clamp(value, slider.low, slider.high);
   }
   const ImVec2 min = ImGui::GetCursorScreenPos();
   ImGui::InvisibleButton("##track", {width, height});
-  mark(markId);
+  mark(slider.mark);
   const float knob = px(7), from = min.x + knob, span = std::max(width - 2 * knob, 1.0f);
-  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0))
-    value = usual;
-  else if (ImGui::IsItemActive() && ImGui::GetIO().MouseClickedLastCount[0] < 2)
-    value = low + (high - low) * std::clamp((ImGui::GetIO().MousePos.x - from) / span, 0.0f, 1.0f);
-  const float at = from + span * std::clamp((value - low) / (high - low), 0.0f, 1.0f);
-  const float middle = min.y + height / 2, half = px(2);
+  const auto scaled = [&](float v) { return slider.logarithmic ? std::log(v) : v; };
+  const float low = scaled(slider.low), range = scaled(slider.high) - low;
+  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) {
+    value = slider.usual;
+  } else if (ImGui::IsItemActive() && io.MouseClickedLastCount[0] < 2) {
+    const float v = low + range * std::clamp((io.MousePos.x - from) / span, 0.0f, 1.0f);
+    value = std::clamp(slider.logarithmic ? std::exp(v) : v, slider.low, slider.high);
+  }
+  const float part = std::clamp((scaled(value) - low) / range, 0.0f, 1.0f);
+  const float at = from + span * part, middle = min.y + height / 2, half = px(2);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled({min.x, middle - half}, {min.x + width, middle + half},
                      ImGui::GetColorU32(kControlHovered), half);

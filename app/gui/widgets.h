@@ -52,10 +52,17 @@ void tooltip(std::string_view text, std::string_view keys = {});
 bool searchField(const char* id, const char* hint, std::string& text, float width = -1,
                  bool focus = false);
 
-// A value that is dragged between `low` and `high`, with its label above and its value to the
-// right, where it can be typed; a double click takes `usual`. Changed?
-bool slider(const char* label, float& value, float low, float high, const char* format, float usual,
-            std::string_view mark = {});
+struct Slider {
+  const char* label = "";
+  float low = 0, high = 1;
+  float usual = 0;  // what a double click takes
+  const char* format = "%.2f";
+  bool logarithmic = false;  // low and high above 0
+  std::string_view mark = {};
+};
+// A value that is dragged, its label above, itself to the right of it, where it can be typed.
+// Changed?
+bool slider(const Slider& slider, float& value);
 
 struct ListRow {
   const char* id = "";  // also what it says
