@@ -160,8 +160,8 @@ void FileBrowser::drawHeader() {
   for (int i = 0; i < 3; ++i) {
     if (i > 0) ImGui::SameLine();
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    // In line with the rows, which the list's border and padding move.
-    const ImVec2 min{corner.x + px(kGapSmall), corner.y};
+    // In line with the rows, which the list's border and padding make narrower on both sides.
+    const ImVec2 min{corner.x + (i == 0 ? px(kGapSmall) : -px(kGapSmall)), corner.y};
     if (ImGui::InvisibleButton(kColumns[i].label, {std::max(widths[i], 1.0f), height})) {
       descending_ = order_ == kColumns[i].order && !descending_;
       order_ = kColumns[i].order;
