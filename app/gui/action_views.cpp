@@ -164,7 +164,8 @@ constexpr ImGuiWindowFlags kOverlay =
 
 bool clickedBeside() {
   return ImGui::IsMouseClicked(0) && !ImGui::IsWindowAppearing() &&
-         !ImGui::IsWindowHovered(ImGuiHoveredFlags_RootAndChildWindows);
+         !ImGui::IsWindowHovered(ImGuiHoveredFlags_RootAndChildWindows |
+                                 ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
 }
 
 }  // namespace
@@ -354,7 +355,10 @@ void CommandSearch::draw(ActionTable& table) {
   }
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y * 0.16f}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::SetNextWindowSize(fitted(kSearchWidth, kSearchHeight));
+  const auto hits =
+      static_cast<float>(std::max<std::size_t>(1, searchActions(table, query_).size()));
+  const float height = std::min(kSearchHeight, 70 + 36 * hits);
+  ImGui::SetNextWindowSize(fitted(kSearchWidth, height));
   {
     const scope::Modal modal(kName, nullptr, kOverlay);
     open_ = modal.open;
@@ -373,7 +377,7 @@ void CommandSearch::draw(ActionTable& table) {
         table.isEnabled(ids[static_cast<std::size_t>(chosen_)]))
       run_ = ids[static_cast<std::size_t>(chosen_)];
     {
-      const scope::Child list("##list", {0, 0});
+      const scope::Child rows("##list", {0, 0});
       const scope::Style spacing(ImGuiStyleVar_ItemSpacing, px(0, 2));
       if (count == 0) mutedText("Nothing of this name. Try other letters.");
       for (int i = 0; i < count; ++i)

@@ -302,6 +302,7 @@ bool drawSimple(Pen& pen, Icon icon) {
   }
 }
 
+// long: one line an icon
 void drawComposed(Pen& pen, Icon icon) {
   switch (icon) {
     case Icon::brush:

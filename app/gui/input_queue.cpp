@@ -4,7 +4,7 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
-#include <array>
+#include <bitset>
 #include <cfloat>
 
 namespace dapple {
@@ -55,6 +55,10 @@ class Frame {
     if (index <= 0 || index >= kKeyCount) return true;
     const bool changes = io_.KeysDown[index] != change.down;
     if (edge_) return !changes;  // a repeat of the held key; ImGui makes its own
+    // Released and pressed again within one frame would be held all along.
+    const auto i = static_cast<std::size_t>(index);
+    if (change.down && released_[i]) return false;
+    released_[i] = released_[i] || (changes && !change.down);
     io_.KeysDown[index] = change.down;
     setModifiers(io_);
     // Releases and modifiers hide nothing before them.
@@ -85,6 +89,7 @@ class Frame {
  private:
   ImGuiIO& io_;
   std::vector<std::filesystem::path>& dropped_;
+  std::bitset<kKeyCount> released_;
   bool edge_ = false, wheel_ = false, keyPressed_ = false;
 };
 

@@ -193,9 +193,6 @@ void Notices::drawToast(std::size_t index, int place, float right, float& bottom
                                  ImGuiWindowFlags_NoSavedSettings);
   const ImVec2 min = ImGui::GetWindowPos();
   markRectangle(mark, min, {min.x + width, min.y + height});
-  ImGui::GetWindowDrawList()->AddRectFilled({min.x, min.y + px(6)},
-                                            {min.x + px(3), min.y + height - px(6)},
-                                            ImGui::GetColorU32(colourOf(notice.kind)), px(2));
   // Who reads it keeps it.
   if (!ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows))
     notice.left -= ImGui::GetIO().DeltaTime;

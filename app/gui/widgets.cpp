@@ -90,10 +90,14 @@ void tooltip(std::string_view words, std::string_view keys) {
   const scope::Tooltip tip;
   const scope::WrappedText wrapped(px(kTooltipWidth));
   const std::size_t line = words.find('\n');
-  text(words.substr(0, line));
-  if (!keys.empty()) {
-    ImGui::SameLine(0, px(kGapLarge));
-    keyCaps(keys);
+  {
+    const scope::Style frame(ImGuiStyleVar_FramePadding, px(0, 1));
+    ImGui::AlignTextToFramePadding();
+    text(words.substr(0, line));
+    if (!keys.empty()) {
+      ImGui::SameLine(0, px(kGapLarge));
+      keyCaps(keys);
+    }
   }
   if (line != std::string_view::npos) mutedText(words.substr(line + 1));
 }
@@ -291,11 +295,80 @@ bool searchField(const char* id, const char* hint, std::string& words, float wid
   return changed || emptied;
 }
 
+bool slider(const Slider& slider, float& value) {
+  const scope::Id scoped(slider.label);
+  const scope::Group group;
+  const scope::Style spacing(ImGuiStyleVar_ItemSpacing, px(kGapSmall, kGapTiny));
+  const ImGuiIO& io = ImGui::GetIO();
+  const float width = ImGui::CalcItemWidth(), height = px(16), field = px(64);
+  const float before = value;
+  {
+    const scope::Style padding(ImGuiStyleVar_FramePadding, px(kGap, 3));
+    const float x = ImGui::GetCursorPosX();
+    ImGui::AlignTextToFramePadding();
+    text(std::string_view(slider.label, ImGui::FindRenderedTextEnd(slider.label)));
+    ImGui::SameLine();
+    ImGui::SetCursorPosX(x + width - field);
+    ImGui::SetNextItemWidth(field);
+    if (ImGui::InputFloat("##value", &value, 0, 0, slider.format))
+      value = std::clamp(value, slider.low, slider.high);
+  }
+  const ImVec2 min = ImGui::GetCursorScreenPos();
+  ImGui::InvisibleButton("##track", {width, height});
+  mark(slider.mark);
+  const float knob = px(7), from = min.x + knob, span = std::max(width - 2 * knob, 1.0f);
+  const auto scaled = [&](float v) { return slider.logarithmic ? std::log(v) : v; };
+  const float low = scaled(slider.low), range = scaled(slider.high) - low;
+  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) {
+    value = slider.usual;
+  } else if (ImGui::IsItemActive() && io.MouseClickedLastCount[0] < 2) {
+    const float v = low + range * std::clamp((io.MousePos.x - from) / span, 0.0f, 1.0f);
+    value = std::clamp(slider.logarithmic ? std::exp(v) : v, slider.low, slider.high);
+  }
+  const float part = std::clamp((scaled(value) - low) / range, 0.0f, 1.0f);
+  const float at = from + span * part, middle = min.y + height / 2, half = px(2);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled({min.x, middle - half}, {min.x + width, middle + half},
+                     ImGui::GetColorU32(kControlHovered), half);
+  list.AddRectFilled({min.x, middle - half}, {at, middle + half}, ImGui::GetColorU32(kAccent),
+                     half);
+  const bool hot = ImGui::IsItemActive() || ImGui::IsItemHovered();
+  list.AddCircleFilled({at, middle}, hot ? knob : knob - px(1),
+                       ImGui::GetColorU32(hot ? kAccentHovered : kText));
+  return value != before;
+}
+
+bool listRow(const ListRow& row) {
+  const float height = px(kRowHeight), width = std::max(1.0f, ImGui::GetContentRegionAvail().x);
+  const ImVec2 min = ImGui::GetCursorScreenPos();
+  const bool clicked = ImGui::InvisibleButton(row.id, {width, height});
+  ImGui::SetItemAllowOverlap();
+  mark(row.mark);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  if (row.selected || ImGui::IsItemHovered())
+    list.AddRectFilled(min, {min.x + width, min.y + height},
+                       ImGui::GetColorU32(row.selected ? kAccentSoft : kControl), px(kRadius));
+  float x = min.x + px(kGap) + px(row.indent);
+  const float side = px(16);
+  if (row.icon != Icon::none) {
+    drawIcon(list, row.icon, {x, min.y + std::round((height - side) / 2)}, side,
+             ImGui::GetColorU32(row.selected ? kAccentHovered : kTextMuted));
+    x += side + px(kGap);
+  }
+  const float textY = min.y + std::round((height - ImGui::GetFontSize()) / 2);
+  const float noteX = min.x + width - row.reserve - px(kGap) - widthOf(row.note);
+  const std::string name = shortenedMiddle(
+      std::string_view(row.id, ImGui::FindRenderedTextEnd(row.id)), noteX - px(kGap) - x);
+  list.AddText({x, textY}, ImGui::GetColorU32(kText), name.c_str());
+  list.AddText({noteX, textY}, ImGui::GetColorU32(kTextMuted), row.note.c_str());
+  return clicked;
+}
+
 bool toggle(const char* label, bool& value, std::string_view markId) {
   const float height = px(20), width = px(34), gap = px(kGap);
   const ImVec2 min = ImGui::GetCursorScreenPos();
   const ImVec2 words = ImGui::CalcTextSize(label, nullptr, true);
-  const float full = std::max(height, words.y);
+  const float full = ImGui::GetFrameHeight();  // in line with fields beside it
   const bool clicked =
       ImGui::InvisibleButton(label, {width + (words.x > 0 ? gap : 0) + words.x, full});
   mark(markId);

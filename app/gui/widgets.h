@@ -52,6 +52,30 @@ void tooltip(std::string_view text, std::string_view keys = {});
 bool searchField(const char* id, const char* hint, std::string& text, float width = -1,
                  bool focus = false);
 
+struct Slider {
+  const char* label = "";
+  float low = 0, high = 1;
+  float usual = 0;  // what a double click takes
+  const char* format = "%.2f";
+  bool logarithmic = false;  // low and high above 0
+  std::string_view mark = {};
+};
+// A value that is dragged, its label above, itself to the right of it, where it can be typed.
+// Changed?
+bool slider(const Slider& slider, float& value);
+
+struct ListRow {
+  const char* id = "";  // also what it says
+  bool selected = false;
+  Icon icon = Icon::none;
+  std::string note;   // muted, at the right
+  float indent = 0;   // logical pixels
+  float reserve = 0;  // pixels left free at the right, for buttons that overlap
+  std::string_view mark = {};
+};
+// A row of a list over the whole width, kRowHeight high; clicked?
+bool listRow(const ListRow& row);
+
 // A switch: checkbox with our look, label to the right.
 bool toggle(const char* label, bool& value, std::string_view mark = {});
 

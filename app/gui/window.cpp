@@ -292,6 +292,7 @@ void Window::run(const std::function<NextFrame()>& build, const std::function<vo
     if (anythingHeld()) wait = std::min(wait, kHeldKey);
     // The text cursor blinks.
     if (ImGui::GetIO().WantTextInput) wait = std::min(wait, 0.4);
+    if (glfwWindowShouldClose(window) == GLFW_TRUE) wait = 0;  // close() was called
   }
 }
 
