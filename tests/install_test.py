@@ -47,7 +47,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
 
 def run(*command, **options):
     done = subprocess.run(
-        [str(word) for word in command], capture_output=True, text=True, timeout=60, **options
+        [str(word) for word in command], capture_output=True, text=True, timeout=300, **options
     )
     return done.returncode, done.stdout + done.stderr
 
