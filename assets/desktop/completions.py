@@ -88,13 +88,15 @@ def bash(whole, commands):
         for option in command.named:
             if option.value:
                 cases = " | ".join(f'"{command.name} {name}"' for name in option.names)
-                values += [f"    {cases})", f"      {bash_value(option)}", "      return", "      ;;"]
+                values += [f"    {cases})", "      " + bash_value(option), "      return"]
+                values.append("      ;;")
     starts = [command.name for command in commands]
     starts += [name for option in whole.named for name in option.names]
     blocks = ["    '')", "      " + bash_words(starts), "      ;;"]
     for command in commands:
         blocks += bash_command(command)
-    return NOTE + BASH.replace("@VALUES@", "\n".join(values)).replace("@COMMANDS@", "\n".join(blocks))
+    text = BASH.replace("@VALUES@", "\n".join(values))
+    return NOTE + text.replace("@COMMANDS@", "\n".join(blocks))
 
 
 # ---- zsh
@@ -203,7 +205,9 @@ def fish_option(option, condition):
 
 
 def fish(whole, commands):
-    lines = [line for option in whole.named for line in fish_option(option, "__fish_use_subcommand")]
+    lines = []
+    for option in whole.named:
+        lines += fish_option(option, "__fish_use_subcommand")
     for command in commands:
         text = fish_quoted(summary(command.help))
         lines.append(f"complete -c dapple -n __fish_use_subcommand -a {command.name} -d {text}")

@@ -14,7 +14,8 @@ import xml.etree.ElementTree as xml
 def entry(release, maintainer):
     day = datetime.date.fromisoformat(release.get("date"))
     noon = datetime.datetime.combine(day, datetime.time(12), datetime.timezone.utc)
-    changes = [" ".join(item.text.split()) for item in release.find("description").iter() if item.tag in ("p", "li")]
+    items = [item for item in release.find("description").iter() if item.tag in ("p", "li")]
+    changes = [" ".join(item.text.split()) for item in items]
     lines = [f"dapple ({release.get('version')}) unstable; urgency=medium", ""]
     lines += [f"  * {change}" for change in changes]
     return "\n".join(lines + ["", f" -- {maintainer}  {email.utils.format_datetime(noon)}", ""])

@@ -73,7 +73,8 @@ def man_page(commands, version):
     ]
     sections = []
     for command in commands:
-        sections += [f".SH DAPPLE {command.name.upper()}", synopsis(command), ".PP", roff(command.help)]
+        sections += [f".SH DAPPLE {command.name.upper()}", synopsis(command)]
+        sections += [".PP", roff(command.help)]
         for option in command.options:
             if option not in shared:
                 sections += option_entry(option)

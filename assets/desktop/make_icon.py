@@ -66,12 +66,12 @@ def noise(index, salt):
 def sphere_points():
     """Evenly spread unit vectors: x right, y down, z to the eye; the spiral's axis tilted away."""
     turn = math.pi * (3 - math.sqrt(5))
-    tilt = 0.55
+    cos, sin = math.cos(0.55), math.sin(0.55)
     for i in range(SPLATS):
         up = 1 - (2 * i + 1) / SPLATS
         r = math.sqrt(1 - up * up)
         x, y, z = r * math.cos(i * turn), up, r * math.sin(i * turn)
-        yield i, (x, y * math.cos(tilt) - z * math.sin(tilt), y * math.sin(tilt) + z * math.cos(tilt))
+        yield i, (x, y * cos - z * sin, y * sin + z * cos)
 
 
 def in_spot(normal):
