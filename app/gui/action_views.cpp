@@ -111,9 +111,14 @@ std::vector<SheetGroup> sheetGroups(const ActionTable& table,
     if (matches(query, all))
       groupNamed(groups, groupOf(action)).rows.push_back({action.label, std::move(keys)});
   }
-  for (const ShortcutSheet::Extra& extra : extras)
-    if (matches(query, extra.label + " " + extra.keys))
-      groupNamed(groups, extra.group).rows.push_back({extra.label, {extra.keys}});
+  for (const ShortcutSheet::Extra& extra : extras) {
+    if (!matches(query, extra.label + " " + extra.keys)) continue;
+    std::vector<SheetRow>& rows = groupNamed(groups, extra.group).rows;
+    if (!rows.empty() && rows.back().label == extra.label)  // another way to the same
+      rows.back().keys.push_back(extra.keys);
+    else
+      rows.push_back({extra.label, {extra.keys}});
+  }
   return groups;
 }
 
