@@ -39,7 +39,11 @@ struct Desk {
     gui.settle();
     gui.frames(2);
     REQUIRE(gui.frameUntil(
-        [&] { return !editor.engine().status().busy && editor.view().complete(); }, kPatience));
+        [&] {
+          return !editor.engine().status().busy &&
+                 editor.engine().snapshot().get() == &editor.snapshot() && editor.view().complete();
+        },
+        kPatience));
     gui.frames(3);
   }
   void openScan() {
@@ -112,6 +116,8 @@ TEST_CASE("a part is brushed, made a region and textured; all of it is undone an
   for (std::size_t k = 0; k < steps; ++k) desk.gui.key(letterKey('Z'), kCtrl | kShift);
   desk.rest();
   CHECK(sameContent(desk.document(), last));
+  desk.gui.click("panel.synthesis");  // folded: the history comes into sight
+  desk.gui.click("panel.swatch");
   desk.gui.click("history.1");
   desk.rest();
   CHECK(sameContent(desk.document(), first));
@@ -209,6 +215,25 @@ TEST_CASE("the right button turns, the wheel comes nearer, F shows all again") {
   desk.gui.moveMouse({view.x - 300, view.y - 300});
   desk.rest();
   CHECK(desk.save("again").pixels == front.pixels);
+}
+
+TEST_CASE("undoing what was typed before the search was emptied does no harm") {
+  Desk desk;
+  for (int k = 0; k < 4; ++k) {
+    desk.gui.key(letterKey('K'), kCtrl);
+    desk.gui.type("frame");
+    desk.gui.key(Key::backspace);
+    desk.gui.key(letterKey('Z'), kCtrl);
+    desk.gui.key(Key::escape);
+    desk.gui.key(letterKey('K'), kCtrl);
+    desk.gui.key(letterKey('Y'), kCtrl);
+    desk.gui.key(letterKey('Z'), kCtrl | kShift);
+    desk.gui.key(Key::escape);
+  }
+  desk.gui.key(letterKey('K'), kCtrl);
+  desk.gui.type("Rectangle");
+  desk.gui.key(Key::enter);
+  desk.rest();
 }
 
 TEST_CASE("at twice the scale everything is twice as large and nothing overflows") {

@@ -45,10 +45,11 @@ struct Widget {
             (row.low > 0 && row.high > 20 * row.low ? ImGuiSliderFlags_Logarithmic : 0));
   }
   bool operator()(std::uint64_t TextureOptions::*field) {
-    return ImGui::InputScalar(id, ImGuiDataType_U64, &(options.*field));
+    return ImGui::InputScalar(id, ImGuiDataType_U64, &(options.*field), nullptr, nullptr, nullptr,
+                              kTextFlags);
   }
   bool operator()(vec3 TextureOptions::*field) {
-    return ImGui::InputFloat3(id, &(options.*field).x, "%.2g");
+    return ImGui::InputFloat3(id, &(options.*field).x, "%.2g", kTextFlags);
   }
   template <class Enum>
   bool operator()(Enum TextureOptions::*field) {

@@ -70,6 +70,7 @@ void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSetti
   const std::shared_ptr<const OpenedScan>& scan = snapshot_->document.scan;
   if (!scan) {
     scene_ = nullptr, wanted_ = nullptr;
+    stale_ = false;
     return;
   }
   if (scan != wanted_ && !preparing_.valid()) {
@@ -174,6 +175,11 @@ bool SceneView::draw(Viewport size, DetailPacer::Milliseconds budget) {
   if (live_.version() != uploaded_) upload();
   uploaded_ = live_.version();
   return !complete();
+}
+
+bool SceneView::complete() const {
+  if (!snapshot_ || loading() || stale_) return false;
+  return scene_ ? complete_ && scene_->scan == snapshot_->document.scan : !snapshot_->document.scan;
 }
 
 PickView SceneView::pickView(const Camera& camera, bool through) const {

@@ -46,7 +46,7 @@ class SceneView {
   void frameAll();
   void frameSelection();
   // The picture is that of the snapshot, at full detail.
-  bool complete() const { return complete_ && !loading() && !stale_; }
+  bool complete() const;
   // Of the last picture.
   Camera pictureCamera() const { return camera_.camera(bounds()); }
   const Raster& picture() const { return live_.picture(); }

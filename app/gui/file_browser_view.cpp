@@ -301,7 +301,8 @@ void FileBrowser::drawField() {
       question_.purpose == BrowseFor::save     ? "Name of the file"
       : question_.purpose == BrowseFor::folder ? "Folder; empty for the one shown"
                                                : "Name or path",
-      &field_, ImGuiInputTextFlags_CallbackCompletion | ImGuiInputTextFlags_EnterReturnsTrue,
+      &field_,
+      kTextFlags | ImGuiInputTextFlags_CallbackCompletion | ImGuiInputTextFlags_EnterReturnsTrue,
       completeOnTab, &completed);
   markItem("files.field");
   if (ImGui::IsItemEdited()) {

@@ -274,7 +274,7 @@ bool searchField(const char* id, const char* hint, std::string& words, float wid
                                {side + 2 * inset, ImGui::GetStyle().FramePadding.y});
     ImGui::SetNextItemWidth(width);
     if (focus) ImGui::SetKeyboardFocusHere();
-    changed = ImGui::InputTextWithHint("##text", hint, &words);
+    changed = ImGui::InputTextWithHint("##text", hint, &words, kTextFlags);
     markItem(id);
     drawIcon(*ImGui::GetWindowDrawList(), Icon::search,
              {min.x + inset, min.y + std::round((height - side) / 2)}, side,
@@ -310,7 +310,7 @@ bool slider(const Slider& slider, float& value) {
     ImGui::SameLine();
     ImGui::SetCursorPosX(x + width - field);
     ImGui::SetNextItemWidth(field);
-    if (ImGui::InputFloat("##value", &value, 0, 0, slider.format))
+    if (ImGui::InputFloat("##value", &value, 0, 0, slider.format, kTextFlags))
       value = std::clamp(value, slider.low, slider.high);
   }
   const ImVec2 min = ImGui::GetCursorScreenPos();

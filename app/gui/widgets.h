@@ -10,6 +10,10 @@
 
 namespace dapple {
 
+// Of every text field. ImGui 1.86 writes outside its buffer when it undoes the typing of a text
+// that the program has changed meanwhile.
+inline constexpr ImGuiInputTextFlags kTextFlags = ImGuiInputTextFlags_NoUndoRedo;
+
 struct IconButton {
   Icon icon = Icon::none;
   const char* id = "";  // ImGui's, unique in its window; also the mark
