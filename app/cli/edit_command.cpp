@@ -21,7 +21,7 @@ void runEdit(const std::vector<std::string>& files, const CommonOptions& common)
       throw IoError(file, "", "there is no such file", "Check the name and the folder");
   std::unique_ptr<Window> window;
   try {
-    window = std::make_unique<Window>();
+    window = std::make_unique<Window>(WindowOptions{.applicationId = "org.dapple.Dapple"});
   } catch (const NoWindow& error) {
     throw InvalidInput(error.what());
   }

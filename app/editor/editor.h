@@ -50,7 +50,9 @@ class Editor {
   void addFileActions();
   void addEditActions();
   void addRegionActions();
+  void addSynthesisActions();
   void addViewActions();
+  void addCameraActions();
   void addToolActions();
   void ask(Asking what);
   void answered(const std::filesystem::path& path);

@@ -136,30 +136,35 @@ void Editor::addFileActions() {
 }
 
 void Editor::addEditActions() {
+  struct Row {
+    const char *id, *label, *keys;
+    Icon icon;
+    std::function<bool()> enabled;
+    Command command;
+  };
   const auto scan = [this] { return hasScan(); };
   const auto selection = [this] { return hasSelection(); };
-  const auto add = [this](const char* id, const char* label, const char* keys, Icon icon,
-                          std::function<bool()> enabled, Command command) {
-    actions_.add({.id = id,
-                  .label = label,
-                  .menu = "Edit",
-                  .shortcuts = shortcuts(keys),
-                  .icon = icon,
-                  .separatorBefore = std::string_view(id) == "select.all",
-                  .enabled = std::move(enabled),
-                  .run = [this, command] { engine_.submit(command); }});
+  const auto undoable = [this] { return snapshot_->cursor > 0; };
+  const auto redoable = [this] { return snapshot_->cursor + 1 < snapshot_->history->size(); };
+  const Row rows[] = {
+      {"edit.undo", "Undo", "Ctrl+Z", Icon::undo, undoable, Undo{}},
+      {"edit.redo", "Redo", "Ctrl+Shift+Z, Ctrl+Y", Icon::redo, redoable, Redo{}},
+      {"select.all", "Select all", "Ctrl+A", Icon::none, scan, SelectAll{}},
+      {"select.none", "Select none", "Ctrl+Shift+A", Icon::none, selection, Select{}},
+      {"select.invert", "Invert selection", "Ctrl+I", Icon::invert, scan, InvertSelection{}},
+      {"select.grow", "Grow selection", "Ctrl+Numpad +", Icon::grow, selection, GrowSelection{}},
+      {"select.shrink", "Shrink selection", "Ctrl+Numpad -", Icon::shrink, selection,
+       ShrinkSelection{}},
   };
-  add(
-      "edit.undo", "Undo", "Ctrl+Z", Icon::undo, [this] { return snapshot_->cursor > 0; }, Undo{});
-  add(
-      "edit.redo", "Redo", "Ctrl+Shift+Z, Ctrl+Y", Icon::redo,
-      [this] { return snapshot_->cursor + 1 < snapshot_->history->size(); }, Redo{});
-  add("select.all", "Select all", "Ctrl+A", Icon::none, scan, SelectAll{});
-  add("select.none", "Select none", "Ctrl+Shift+A", Icon::none, selection, Select{});
-  add("select.invert", "Invert selection", "Ctrl+I", Icon::invert, scan, InvertSelection{});
-  add("select.grow", "Grow selection", "Ctrl+Numpad +", Icon::grow, selection, GrowSelection{});
-  add("select.shrink", "Shrink selection", "Ctrl+Numpad -", Icon::shrink, selection,
-      ShrinkSelection{});
+  for (const Row& row : rows)
+    actions_.add({.id = row.id,
+                  .label = row.label,
+                  .menu = "Edit",
+                  .shortcuts = shortcuts(row.keys),
+                  .icon = row.icon,
+                  .separatorBefore = std::string_view(row.id) == "select.all",
+                  .enabled = row.enabled,
+                  .run = [this, command = row.command] { engine_.submit(command); }});
 }
 
 void Editor::addRegionActions() {
@@ -196,6 +201,9 @@ void Editor::addRegionActions() {
                 .icon = Icon::trash,
                 .enabled = [this] { return chosen_ != kUnassigned; },
                 .run = [this] { engine_.submit(RemoveRegion{chosen_}); }});
+}
+
+void Editor::addSynthesisActions() {
   actions_.add({.id = "region.swatch",
                 .label = "Choose swatch...",
                 .menu = "Region",
@@ -249,6 +257,9 @@ void Editor::addViewActions() {
                   .help = std::string(view.shows),
                   .checked = [this, show = view.view] { return settings_.show == show; },
                   .run = [this, show = view.view] { settings_.show = show; }});
+}
+
+void Editor::addCameraActions() {
   const std::pair<const char*, Shading> lights[] = {
       {"off", Shading::Off}, {"headlight", Shading::Headlight}, {"studio", Shading::Studio}};
   for (const auto& [name, shading] : lights)
@@ -342,7 +353,9 @@ void Editor::addActions() {
   addFileActions();
   addEditActions();
   addRegionActions();
+  addSynthesisActions();
   addViewActions();
+  addCameraActions();
   addToolActions();
   actions_.add({.id = "help.search",
                 .label = "Search commands...",

@@ -70,7 +70,7 @@ struct Widget {
 OptionEdit optionWidget(TextureOptions& options, const OptionRow& row) {
   const std::string name(row.name), id = "##" + name;
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(name.c_str());
+  clippedText(name, theme::px(kLabelWidth - theme::kGapLarge));
   tooltip(std::string(row.help) + "\n" + optionRange(row));
   ImGui::SameLine(theme::px(kLabelWidth));
   ImGui::SetNextItemWidth(-1);

@@ -50,3 +50,7 @@ for texels in off on; do
   draw leopard "closeup_$texels" --texels "$texels" --eye 0.2,0.1,2.6 --target 0,0.1,0
 done
 rm "$pictures/closeup.png"
+
+# The editor, as its tests leave it.
+build/release/dapple_editor_tests --test-case='from the start screen*' >/dev/null
+cp build/release/tests/editor/sample.png "$pictures/editor.png"
