@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/render/image_compare.h"
 #include "base/hash_rng.h"
 #include "io/image_io.h"
 #include "tests/gui_harness.h"
@@ -215,6 +216,21 @@ TEST_CASE("the right button turns, the wheel comes nearer, F shows all again") {
   desk.gui.moveMouse({view.x - 300, view.y - 300});
   desk.rest();
   CHECK(desk.save("again").pixels == front.pixels);
+}
+
+TEST_CASE("OpenGL draws the same picture, the same tools work on it") {
+  Desk desk;
+  desk.gui.click("start.open-sample");
+  desk.rest();
+  const Image processor = desk.save("processor");
+  desk.gui.key(letterKey('K'), kCtrl);
+  desk.gui.type("OpenGL");
+  desk.gui.key(Key::enter);
+  desk.rest();
+  REQUIRE(desk.editor.view().drawnByOpenGl());
+  CHECK(structuralSimilarity(processor, desk.save("opengl")) > 0.98);
+  desk.brushBody();
+  CHECK(desk.selected() > 700);
 }
 
 TEST_CASE("undoing what was typed before the search was emptied does no harm") {

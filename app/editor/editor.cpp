@@ -28,6 +28,15 @@ bool isImage(const std::filesystem::path& path) {
   return false;
 }
 
+// The swatch's up on the surface, none where nothing was synthesized.
+std::vector<vec3> upOf(const Document& document) {
+  const Results& results = document.results;
+  std::vector<vec3> up(document.size(), vec3(0));
+  for (std::size_t i = 0; i < up.size(); ++i)
+    if ((*results.source)[i] != kNoSource) up[i] = (*results.frame)[i].t;
+  return up;
+}
+
 }  // namespace
 
 Editor::Editor(EditorOptions options)
@@ -151,15 +160,20 @@ void Editor::drawOverlays(const Layout& layout) {
   const Camera camera = view_.pictureCamera();
   const OverlayView over(camera, view_.picture(), view_.splatRadius(), layout.uiScale);
   OverlayLines lines;
+  const auto add = [&](const OverlayLines& more) {
+    lines.insert(lines.end(), more.begin(), more.end());
+  };
+  if (settings_.outlines && !view_.regions().empty()) add(outlineLines(over, view_.regions()));
+  if (settings_.directions && snapshot_->document.results.frame)
+    add(directionLines(over, snapshot_->document.points().positions, upOf(snapshot_->document)));
   if (settings_.strokes) {
     std::vector<SurfaceStroke> strokes;
     for (const Region& region : *snapshot_->document.regions)
       if (region.strokes)
         for (const Stroke& stroke : *region.strokes) strokes.push_back({stroke.positions});
-    lines = strokeLines(over, strokes);
+    add(strokeLines(over, strokes));
   }
-  const OverlayLines hand = hand_.overlay(tools_, view_);
-  lines.insert(lines.end(), hand.begin(), hand.end());
+  add(hand_.overlay(tools_, view_));
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 min = layout.viewMin();
   std::vector<ImVec2> points;
@@ -188,9 +202,11 @@ void Editor::viewPanel(const Layout& layout) {
   navigate(layout, hovered);
   toolInput(layout, hovered);
   settled_ = !view_.draw(layout.viewport(), kBudget);
-  if (view_.texture() != 0 && !view_.empty())
+  if (view_.texture() != 0 && !view_.empty()) {
+    const float top = view_.drawnByOpenGl() ? 1 : 0;
     ImGui::GetWindowDrawList()->AddImage(guiTexture(view_.texture()), min,
-                                         {min.x + size.x, min.y + size.y});
+                                         {min.x + size.x, min.y + size.y}, {0, top}, {1, 1 - top});
+  }
   drawOverlays(layout);
 }
 

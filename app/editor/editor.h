@@ -53,6 +53,7 @@ class Editor {
   void addSynthesisActions();
   void addViewActions();
   void addCameraActions();
+  void addDisplayActions();
   void addToolActions();
   void ask(Asking what);
   void answered(const std::filesystem::path& path);

@@ -299,11 +299,40 @@ void Editor::addCameraActions() {
                 .menu = "View",
                 .shortcuts = shortcuts("Shift+F, Home"),
                 .run = [this] { view_.frameAll(); }});
-  actions_.add({.id = "view.strokes",
-                .label = "Strokes",
-                .menu = "View",
-                .checked = [this] { return settings_.strokes; },
-                .run = [this] { settings_.strokes = !settings_.strokes; }});
+}
+
+void Editor::addDisplayActions() {
+  const auto flag = [this](const char* id, const char* label, bool ViewSettings::*shown) {
+    actions_.add({.id = id,
+                  .label = label,
+                  .menu = "View",
+                  .separatorBefore = std::string_view(id) == "view.strokes",
+                  .checked = [this, shown] { return settings_.*shown; },
+                  .run = [this, shown] { settings_.*shown = !(settings_.*shown); }});
+  };
+  flag("view.strokes", "Strokes", &ViewSettings::strokes);
+  flag("view.outlines", "Region outlines", &ViewSettings::outlines);
+  flag("view.directions", "Directions", &ViewSettings::directions);
+  const std::pair<const char*, vec3> grounds[] = {{"dark", ViewSettings{}.background},
+                                                  {"black", vec3(0)},
+                                                  {"grey", vec3(0.5f)},
+                                                  {"white", vec3(1)}};
+  for (const auto& [name, colour] : grounds)
+    actions_.add({.id = fmt::format("background.{}", name),
+                  .label = name,
+                  .menu = "View/Background",
+                  .checked = [this, c = colour] { return settings_.background == c; },
+                  .run = [this, c = colour] { settings_.background = c; }});
+  const std::pair<const char*, DrawnBy> renderers[] = {{"automatic", DrawnBy::Automatic},
+                                                       {"processor", DrawnBy::Processor},
+                                                       {"OpenGL", DrawnBy::OpenGl}};
+  for (const auto& [name, by] : renderers)
+    actions_.add({.id = fmt::format("renderer.{}", name),
+                  .label = name,
+                  .menu = "View/Drawn by",
+                  .help = "Automatic: OpenGL on graphics hardware, else the processor.",
+                  .checked = [this, drawnBy = by] { return settings_.drawnBy == drawnBy; },
+                  .run = [this, drawnBy = by] { settings_.drawnBy = drawnBy; }});
 }
 
 void Editor::addToolActions() {
@@ -356,6 +385,7 @@ void Editor::addActions() {
   addSynthesisActions();
   addViewActions();
   addCameraActions();
+  addDisplayActions();
   addToolActions();
   actions_.add({.id = "help.search",
                 .label = "Search commands...",

@@ -252,7 +252,7 @@ void Editor::statusBar(const Layout& layout) {
       text += fmt::format(", {} points/s", grouped(rate));
   }
   ImGui::TextUnformatted(text.c_str());
-  const char* drawn = settled_ ? "drawn by the processor" : "drawn by the processor ...";
+  const char* drawn = view_.drawnByOpenGl() ? "drawn by OpenGL" : "drawn by the processor";
   ImGui::SameLine();
   alignRight(ImGui::CalcTextSize(drawn).x);
   ImGui::TextUnformatted(drawn);

@@ -50,7 +50,9 @@ void SceneView::takeScene() {
   scene_ = preparing_.get();
   const PointSet& points = scene_->points();
   colours_.assign(points.size(), kBare);
-  live_.update({points.positions, points.normals, colours_, scene_->radii});
+  const SplatColumns columns{points.positions, points.normals, colours_, scene_->radii};
+  live_.update(columns);
+  if (openGl_) openGl_->update(columns);
   picker_.update(points.positions, points.normals, scene_->radii);
   stale_ = true;
   pending_.clear();
@@ -67,6 +69,7 @@ void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSetti
             changed(Part::Preview);
   snapshot_ = std::move(snapshot);
   settings_ = settings;
+  chooseRenderer();
   const std::shared_ptr<const OpenedScan>& scan = snapshot_->document.scan;
   if (!scan) {
     scene_ = nullptr, wanted_ = nullptr;
@@ -129,6 +132,28 @@ void SceneView::recolour() {
   }
   for (const Index i : pending_) tint(i);
   live_.recolour(colours_);
+  if (openGl_) openGl_->recolour(colours_);
+  regions_.clear();
+  if (document.regions->size() > 1)
+    regions_.assign(document.labels->begin(), document.labels->end());
+}
+
+void SceneView::chooseRenderer() {
+  const bool wanted = settings_.drawnBy == DrawnBy::OpenGl ||
+                      (settings_.drawnBy == DrawnBy::Automatic && !isSoftwareGl());
+  if (wanted == openGl_.has_value()) return;
+  uploaded_ = 0;
+  openGl_.reset();
+  if (!wanted) return;
+  openGl_.emplace();
+  if (!scene_) return;
+  const PointSet& points = scene_->points();
+  openGl_->update({points.positions, points.normals, colours_, scene_->radii});
+}
+
+GLuint SceneView::texture() const {
+  if (openGl_) return openGl_->texture();
+  return texture_ ? texture_->id() : 0;
 }
 
 void SceneView::frameAll() {
@@ -170,9 +195,14 @@ bool SceneView::draw(Viewport size, DetailPacer::Milliseconds budget) {
                      ? settings_.shading
                      : Shading::Headlight,
       .background = settings_.background};
-  complete_ = live_.frame(pictureCamera(), size.width, size.height, options, budget) ==
-              LiveView::Progress::Complete;
-  if (live_.version() != uploaded_) upload();
+  const auto drawBy = [&](auto& view) {
+    complete_ = view.frame(pictureCamera(), size.width, size.height, options, budget) ==
+                LiveView::Progress::Complete;
+  };
+  if (openGl_) drawBy(*openGl_);
+  // With OpenGL the processor's picture is only picked from: it can wait until the camera rests.
+  if (!openGl_ || complete_) drawBy(live_);
+  if (!openGl_ && live_.version() != uploaded_) upload();
   uploaded_ = live_.version();
   return !complete();
 }

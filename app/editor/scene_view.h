@@ -7,6 +7,7 @@
 
 #include "app/render/gl_objects.h"
 #include "app/render/live_view.h"
+#include "app/render/open_gl_view.h"
 #include "app/render/orbit_camera.h"
 #include "app/render/picking.h"
 #include "app/render/views.h"
@@ -14,7 +15,11 @@
 
 namespace dapple {
 
+// What draws the points; Automatic: OpenGL on graphics hardware, else the processor.
+enum class DrawnBy { Automatic, Processor, OpenGl };
+
 struct ViewSettings {
+  DrawnBy drawnBy = DrawnBy::Automatic;
   View show = View::Colour;
   Shading shading = Shading::Headlight;
   bool outlines = true, strokes = true, directions = false;
@@ -50,7 +55,11 @@ class SceneView {
   // Of the last picture.
   Camera pictureCamera() const { return camera_.camera(bounds()); }
   const Raster& picture() const { return live_.picture(); }
-  GLuint texture() const { return texture_ ? texture_->id() : 0; }
+  // Of the size that was drawn; 0: none yet. By OpenGL its lowest row comes first.
+  GLuint texture() const;
+  bool drawnByOpenGl() const { return openGl_.has_value(); }
+  // Of each point, for outlines; empty when there is only one.
+  const std::vector<Index>& regions() const { return regions_; }
   const std::optional<HeatRange>& legend() const { return legend_; }
   // Why the view that was asked for cannot be shown; empty: it is.
   const std::string& missing() const { return missing_; }
@@ -67,6 +76,7 @@ class SceneView {
   struct Scene;
   void takeScene();
   void recolour();
+  void chooseRenderer();
   void upload();
 
   Workers& workers_;
@@ -75,7 +85,8 @@ class SceneView {
   std::future<std::shared_ptr<Scene>> preparing_;
   std::shared_ptr<const OpenedScan> wanted_;
   std::shared_ptr<Scene> scene_;
-  LiveView live_;
+  LiveView live_;  // with OpenGL: for picking
+  std::optional<OpenGlView> openGl_;
   Picker picker_;
   OrbitCamera camera_;
   Viewport size_;
@@ -83,7 +94,7 @@ class SceneView {
   int textureWidth_ = 0, textureHeight_ = 0;
   std::uint64_t uploaded_ = 0;  // version of the picture
   std::vector<vec3> colours_;
-  std::vector<Index> pending_;
+  std::vector<Index> pending_, regions_;
   std::optional<HeatRange> legend_;
   std::string missing_;
   bool stale_ = false;  // the colours are to be made again
