@@ -155,6 +155,26 @@ void Editor::toolInput(const Layout& layout, bool hovered) {
                tools_, view_, engine_);
 }
 
+const OverlayLines& Editor::restingLines(const OverlayView& over, const Camera& camera) {
+  const Document& document = snapshot_->document;
+  const Resting wanted{.camera = camera,
+                       .width = view_.picture().width,
+                       .height = view_.picture().height,
+                       .outlines = settings_.outlines && !view_.regions().empty(),
+                       .directions = settings_.directions && document.results.frame,
+                       .labels = document.labels,
+                       .frames = document.results.frame};
+  if (wanted == resting_) return restingLines_;
+  resting_ = wanted;
+  restingLines_.clear();
+  if (wanted.outlines) restingLines_ = outlineLines(over, view_.regions());
+  if (wanted.directions) {
+    const OverlayLines arrows = directionLines(over, document.points().positions, upOf(document));
+    restingLines_.insert(restingLines_.end(), arrows.begin(), arrows.end());
+  }
+  return restingLines_;
+}
+
 void Editor::drawOverlays(const Layout& layout) {
   if (view_.empty() || view_.picture().width == 0) return;
   const Camera camera = view_.pictureCamera();
@@ -163,9 +183,7 @@ void Editor::drawOverlays(const Layout& layout) {
   const auto add = [&](const OverlayLines& more) {
     lines.insert(lines.end(), more.begin(), more.end());
   };
-  if (settings_.outlines && !view_.regions().empty()) add(outlineLines(over, view_.regions()));
-  if (settings_.directions && snapshot_->document.results.frame)
-    add(directionLines(over, snapshot_->document.points().positions, upOf(snapshot_->document)));
+  if (view_.complete() || camera == resting_.camera) add(restingLines(over, camera));
   if (settings_.strokes) {
     std::vector<SurfaceStroke> strokes;
     for (const Region& region : *snapshot_->document.regions)

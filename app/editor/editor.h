@@ -76,6 +76,7 @@ class Editor {
   void navigate(const Layout& layout, bool hovered);
   void zoomWheel(const Layout& layout);
   void toolInput(const Layout& layout, bool hovered);
+  const OverlayLines& restingLines(const OverlayView& over, const Camera& camera);
   void drawOverlays(const Layout& layout);
 
   void openSample();
@@ -108,6 +109,16 @@ class Editor {
   std::string project_;                    // path, once saved or opened
   std::size_t errors_ = 0, notes_ = 0;     // of the engine's, that the user has been told
   Notices notices_;
+  // Outlines and directions, which take as long as a picture: made when the camera rests.
+  struct Resting {
+    Camera camera;
+    int width = 0, height = 0;
+    bool outlines = false, directions = false;
+    std::shared_ptr<const void> labels, frames;
+    bool operator==(const Resting&) const = default;
+  };
+  Resting resting_;
+  OverlayLines restingLines_;
   std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
   bool settled_ = false;  // the picture is complete
