@@ -144,6 +144,31 @@ TEST_CASE("a selection made from the front leaves the back alone, through takes 
   CHECK(rectangle(kShift) == all);
 }
 
+TEST_CASE("a hidden region is neither seen nor selected") {
+  Desk desk;
+  desk.openScan();
+  const Image whole = desk.save("whole");
+  desk.brushBody();
+  const std::size_t brushed = desk.selected();
+  desk.gui.key(letterKey('G'), kCtrl);
+  desk.rest();
+  desk.gui.click("visible");  // of the last row, the new region's
+  desk.rest();
+  REQUIRE_FALSE(desk.document().regions->back().visible);
+  desk.save("hidden");
+  const ImVec2 view = desk.gui.at("view");
+  desk.gui.key(letterKey('R'));
+  desk.gui.key(letterKey('X'));
+  desk.gui.drag(0, {view.x - 450, view.y + 350}, {view.x + 450, view.y - 350});
+  desk.rest();
+  CHECK(desk.selected() == 29945 - brushed);
+  desk.gui.click("visible");
+  desk.gui.key(letterKey('A'), kCtrl | kShift);
+  desk.gui.click("region.row.0");
+  desk.rest();
+  CHECK(desk.document().regions->back().visible);
+}
+
 TEST_CASE("Escape leaves a synthesis, and the scan is as before") {
   Desk desk;
   desk.openScan();

@@ -374,6 +374,24 @@ TEST_CASE("picking gives the same points on 1, 2 and 3 threads") {
   }
 }
 
+TEST_CASE("points that are not drawn are not picked, through neither") {
+  Scan scan = sphere(3000);
+  for (std::size_t i = 0; i < scan.radii.size(); ++i)
+    if (scan.positions[i].x > 0) scan.radii[i] = 0;
+  const Camera camera = standardView("front", Bounds{vec3(-1), vec3(1)}, 4.f / 3);
+  Scene scene(scan, camera);
+  const PickView through{camera, kWidth, kHeight};
+  const vec2 middle(kWidth / 2, kHeight / 2);
+  for (const auto& found : {scene.picker.inDisc(through, middle, kWidth),
+                            scene.picker.inDisc(scene.seen(), middle, kWidth),
+                            scene.picker.inRectangle(through, {0, 0}, {kWidth, kHeight}),
+                            scene.picker.inBall({vec3(0), 2})}) {
+    CHECK(found.size() > 500);
+    for (const Index i : found) CHECK(scan.positions[i].x <= 0);
+  }
+  CHECK_FALSE(scene.picker.pointAt(through, middle + vec2(100, 0), 5).has_value());
+}
+
 TEST_CASE("without points nothing is picked") {
   const Scene scene(Scan{}, Camera{});
   CHECK(!scene.picker.pointAt(scene.seen(), {1, 1}, 10));

@@ -163,6 +163,7 @@ const OverlayLines& Editor::restingLines(const OverlayView& over, const Camera& 
                        .outlines = settings_.outlines && !view_.regions().empty(),
                        .directions = settings_.directions && document.results.frame,
                        .labels = document.labels,
+                       .regions = document.regions,
                        .frames = document.results.frame};
   if (wanted == resting_) return restingLines_;
   resting_ = wanted;

@@ -114,7 +114,7 @@ class Editor {
     Camera camera;
     int width = 0, height = 0;
     bool outlines = false, directions = false;
-    std::shared_ptr<const void> labels, frames;
+    std::shared_ptr<const void> labels, regions, frames;
     bool operator==(const Resting&) const = default;
   };
   Resting resting_;

@@ -48,22 +48,37 @@ void SceneView::takeScene() {
     return;
   const bool first = !scene_;
   scene_ = preparing_.get();
-  const PointSet& points = scene_->points();
-  colours_.assign(points.size(), kBare);
-  const SplatColumns columns{points.positions, points.normals, colours_, scene_->radii};
-  live_.update(columns);
-  if (openGl_) openGl_->update(columns);
-  picker_.update(points.positions, points.normals, scene_->radii);
+  colours_.assign(scene_->points().size(), kBare);
+  radii_.clear();
   stale_ = true;
   pending_.clear();
   if (first) camera_.setView("front");
   frameAll();
 }
 
+// Points of hidden regions have no size.
+void SceneView::showVisible() {
+  const Document& document = snapshot_->document;
+  std::array<bool, kMostRegions + 1> visible;
+  visible.fill(true);
+  for (const Region& region : *document.regions) visible[region.id] = region.visible;
+  std::vector<float> radii = scene_->radii;
+  for (std::size_t i = 0; i < radii.size(); ++i)
+    if (!visible[(*document.labels)[i]]) radii[i] = 0;
+  if (radii == radii_) return;
+  radii_ = std::move(radii);
+  const PointSet& points = scene_->points();
+  const SplatColumns columns{points.positions, points.normals, colours_, radii_};
+  live_.update(columns);
+  if (openGl_) openGl_->update(columns);
+  picker_.update(points.positions, points.normals, radii_);
+}
+
 void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSettings& settings) {
   const auto changed = [&](Part part) {
     return !snapshot_ || snapshot_->of(part) != snapshot->of(part);
   };
+  const bool regions = changed(Part::Labels) || changed(Part::Regions);
   stale_ |= !(settings == settings_) || changed(Part::Colour) || changed(Part::Labels) ||
             changed(Part::Selection) || changed(Part::Regions) || changed(Part::State) ||
             changed(Part::Preview);
@@ -88,7 +103,9 @@ void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSetti
     });
   }
   takeScene();
-  if (scene_ && scene_->scan == scan && stale_) recolour();
+  if (!scene_ || scene_->scan != scan) return;
+  if (regions || radii_.empty()) showVisible();
+  if (stale_) recolour();
 }
 
 void SceneView::setPending(const std::vector<Index>& points) {
@@ -148,7 +165,7 @@ void SceneView::chooseRenderer() {
   openGl_.emplace();
   if (!scene_) return;
   const PointSet& points = scene_->points();
-  openGl_->update({points.positions, points.normals, colours_, scene_->radii});
+  openGl_->update({points.positions, points.normals, colours_, radii_});
 }
 
 GLuint SceneView::texture() const {

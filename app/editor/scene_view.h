@@ -75,6 +75,7 @@ class SceneView {
  private:
   struct Scene;
   void takeScene();
+  void showVisible();
   void recolour();
   void chooseRenderer();
   void upload();
@@ -93,6 +94,7 @@ class SceneView {
   std::optional<GlTexture> texture_;
   int textureWidth_ = 0, textureHeight_ = 0;
   std::uint64_t uploaded_ = 0;  // version of the picture
+  std::vector<float> radii_;    // as drawn: 0 in hidden regions
   std::vector<vec3> colours_;
   std::vector<Index> pending_, regions_;
   std::optional<HeatRange> legend_;

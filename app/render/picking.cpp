@@ -199,7 +199,7 @@ void Picker::update(const std::vector<vec3>& positions, const std::vector<vec3>&
   for (auto* column : {&c.x, &c.y, &c.z})
     column->assign(room, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < n; ++i)
-    c.x[i] = positions[i].x, c.y[i] = positions[i].y, c.z[i] = positions[i].z;
+    if (radii[i] > 0) c.x[i] = positions[i].x, c.y[i] = positions[i].y, c.z[i] = positions[i].z;
   c.radius = radii;
   c.radius.resize(room, 0);
   c.normals = normals;

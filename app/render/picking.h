@@ -47,7 +47,7 @@ class Picker {
   explicit Picker(Workers& workers);
   ~Picker();
 
-  // n elements each; normals may be empty.
+  // n elements each; normals may be empty. Points with a radius of 0 are not there.
   void update(const std::vector<vec3>& positions, const std::vector<vec3>& normals,
               const std::vector<float>& radii);
 
