@@ -174,9 +174,14 @@ TEST_CASE("Escape leaves a synthesis, and the scan is as before") {
   desk.openScan();
   desk.gui.click("swatch.bricks");
   desk.rest();
+  SetRegion slow{kUnassigned};  // seconds, so that Escape does not come too late
+  slow.options = TextureOptions{.method = Method::Match, .levels = 4, .coherent = false};
+  desk.editor.engine().submit(slow);
+  desk.rest();
   const Document before = desk.document();
   desk.gui.click("synthesize.all");
-  REQUIRE(desk.gui.frameUntil([&] { return desk.gui.has("job.cancel"); }, kPatience));
+  REQUIRE(desk.gui.frameUntil([&] { return desk.gui.has("progress.cancel"); }, kPatience));
+  desk.save("working");
   desk.gui.key(Key::escape);
   desk.rest();
   CHECK(sameContent(desk.document(), before));
@@ -271,10 +276,15 @@ TEST_CASE("undoing what was typed before the search was emptied does no harm") {
     desk.gui.key(letterKey('Z'), kCtrl | kShift);
     desk.gui.key(Key::escape);
   }
+  // And the search still finds: a rectangle takes more of the scan than a brush would.
+  desk.openScan();
   desk.gui.key(letterKey('K'), kCtrl);
   desk.gui.type("Rectangle");
   desk.gui.key(Key::enter);
+  const ImVec2 view = desk.gui.at("view");
+  desk.gui.drag(0, {view.x - 450, view.y + 350}, {view.x + 450, view.y - 350});
   desk.rest();
+  CHECK(desk.selected() > 10000);
 }
 
 TEST_CASE("at twice the scale everything is twice as large and nothing overflows") {
@@ -283,6 +293,19 @@ TEST_CASE("at twice the scale everything is twice as large and nothing overflows
   desk.rest();
   CHECK(desk.document().results.colour);
   desk.save("double");
+  Desk usual;
+  usual.openScan();
+  for (const char* id : {"synthesize.all", "view", "tool.brush", "swatch.wood", "region.row.0"}) {
+    CAPTURE(id);
+    const ItemMark* large = desk.gui.gui().marks().find(id);
+    const ItemMark* small = usual.gui.gui().marks().find(id);
+    REQUIRE(large);
+    REQUIRE(small);
+    CHECK(large->max.x - large->min.x ==
+          doctest::Approx(2 * (small->max.x - small->min.x)).epsilon(0.03));
+    CHECK(large->max.x <= 2 * kWidth);
+    CHECK(large->max.y <= 2 * kHeight);
+  }
 }
 
 TEST_CASE("whatever is pressed, nothing breaks") {

@@ -4,7 +4,6 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <string>
 
 #include "app/editor/editor.h"
 
@@ -28,13 +27,5 @@ struct Editor::Layout {
 inline constexpr ImGuiWindowFlags kFixedWindow =
     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
     ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNavFocus;
-
-// 34,834
-inline std::string grouped(std::size_t n) {
-  std::string digits = std::to_string(n);
-  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
-    digits.insert(static_cast<std::size_t>(at), ",");
-  return digits;
-}
 
 }  // namespace dapple

@@ -17,7 +17,7 @@ using theme::px;
 
 constexpr float kSwatchSide = 58;      // logical pixels
 constexpr float kHistoryHeight = 170;  // logical pixels
-constexpr float kJobHeight = 80;       // logical pixels, while something is synthesized
+constexpr float kJobHeight = 52;       // logical pixels, while something is synthesized
 
 void gap(float logical = theme::kGap) {
   ImGui::Dummy(px(0, logical));
@@ -189,19 +189,17 @@ void Editor::jobPanel() {
     actionTextButton(actions_, "synthesize.all", true, -1);
     return;
   }
-  ImGui::ProgressBar(static_cast<float>(status_.progress.fraction), {-1, px(theme::kButtonHeight)},
-                     status_.job.c_str());
-  markItem("job.progress");
-  const float width = (ImGui::GetContentRegionAvail().x - 2 * px(theme::kGapSmall)) / 3;
-  if (textButton(status_.paused ? "Resume" : "Pause", ButtonKind::normal, Icon::none, width,
-                 "job.pause"))
-    status_.paused ? engine_.resume() : engine_.pause();
-  ImGui::SameLine(0, px(theme::kGapSmall));
-  if (textButton("Stop", ButtonKind::normal, Icon::none, width, "job.stop")) engine_.stop();
-  tooltip("Keeps what is done.");
-  ImGui::SameLine(0, px(theme::kGapSmall));
-  if (textButton("Cancel", ButtonKind::normal, Icon::none, width, "job.cancel")) engine_.cancel();
-  tooltip("Leaves the scan as it was.", "Esc");
+  const Progress& progress = status_.progress;
+  const ProgressButton pressed =
+      progressWidget({.stage = status_.job,
+                      .fraction = static_cast<float>(progress.fraction),
+                      .pointsPerSecond = progress.pointsPerSecond,
+                      .secondsLeft = progress.secondsLeft > 0 ? progress.secondsLeft : -1,
+                      .paused = status_.paused});
+  if (pressed == ProgressButton::pause) engine_.pause();
+  if (pressed == ProgressButton::resume) engine_.resume();
+  if (pressed == ProgressButton::stop) engine_.stop();
+  if (pressed == ProgressButton::cancel) engine_.cancel();
 }
 
 void Editor::historyPanel() {
@@ -241,15 +239,16 @@ void Editor::statusBar(const Layout& layout) {
   const Document& document = snapshot_->document;
   std::string text = "No scan";
   if (document.scan) {
-    text = fmt::format("{} points", grouped(document.size()));
+    text = fmt::format("{} points", shownCount(document.size()));
     if (document.scan->prepared.normalsMade) text += "   no normals: estimated";
-    if (hasSelection()) text += fmt::format("   {} selected", grouped(document.selection->count()));
+    if (hasSelection())
+      text += fmt::format("   {} selected", shownCount(document.selection->count()));
   }
   if (!view_.missing().empty()) text += "   " + view_.missing();
   if (working()) {
     text += fmt::format("   {}: {:.0f} %", status_.job, 100 * status_.progress.fraction);
     if (const auto rate = static_cast<std::size_t>(status_.progress.pointsPerSecond); rate > 0)
-      text += fmt::format(", {} points/s", grouped(rate));
+      text += fmt::format(", {} points/s", shownCount(rate));
   }
   ImGui::TextUnformatted(text.c_str());
   const char* drawn = view_.drawnByOpenGl() ? "drawn by OpenGL" : "drawn by the processor";

@@ -50,7 +50,7 @@ void LiveView::recolour(const std::vector<vec3>& colours) {
   stale_ = true;
 }
 
-LiveView::Progress LiveView::drawWhole(const Shown& wanted, Clock::time_point until,
+LiveView::Progress LiveView::drawWhole(const PictureRequest& wanted, Clock::time_point until,
                                        DetailPacer::Milliseconds budget) {
   if (!started_) pacer_.start(levels_.counts, budget);
   started_ = true;
@@ -77,8 +77,7 @@ LiveView::Progress LiveView::frame(const Camera& camera, int width, int height,
                                    const SplatOptions& options, DetailPacer::Milliseconds budget) {
   const Clock::time_point until =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(budget);
-  Shown wanted{camera, width, height, options};
-  wanted.options.count = kAllPoints, wanted.options.enlarge = 1;
+  const PictureRequest wanted(camera, width, height, options);
   const bool other = stale_ || wanted != shown_;
   if (other || progress_ != Progress::Complete) ++version_;
   if (other) {

@@ -26,6 +26,20 @@ class DetailPacer {
   int patience_ = 0;         // ... and is not tried again for so many pictures
 };
 
+// What a window's picture is of, at full detail.
+struct PictureRequest {
+  Camera camera;
+  int width = 0, height = 0;
+  SplatOptions options;
+
+  PictureRequest() = default;
+  PictureRequest(const Camera& from, int w, int h, const SplatOptions& how)
+      : camera(from), width(w), height(h), options(how) {
+    options.count = kAllPoints, options.enlarge = 1;
+  }
+  bool operator==(const PictureRequest&) const = default;
+};
+
 class LiveView {
  public:
   enum class Progress { Coarse, Refining, Complete };
@@ -52,15 +66,9 @@ class LiveView {
   std::size_t pointsDrawn() const { return pointsDrawn_; }
 
  private:
-  struct Shown {
-    Camera camera;
-    int width = 0, height = 0;
-    SplatOptions options;
-    bool operator==(const Shown&) const = default;
-  };
   using Clock = std::chrono::steady_clock;
 
-  Progress drawWhole(const Shown& wanted, Clock::time_point until,
+  Progress drawWhole(const PictureRequest& wanted, Clock::time_point until,
                      DetailPacer::Milliseconds budget);
   Progress refine(Clock::time_point until);
 
@@ -68,7 +76,7 @@ class LiveView {
   LevelOrder levels_;
   DetailPacer pacer_;
   Raster raster_{.trace = true};
-  Shown shown_;
+  PictureRequest shown_;
   std::size_t pointsDrawn_ = 0;
   std::uint64_t version_ = 0;
   bool stale_ = true;     // the points or colours have changed

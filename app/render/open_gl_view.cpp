@@ -16,7 +16,7 @@ void OpenGlView::recolour(const std::vector<vec3>& colours) {
   stale_ = true;
 }
 
-void OpenGlView::draw(const Shown& shown) {
+void OpenGlView::draw(const PictureRequest& shown) {
   if (!picture_ || shown.width != shown_.width || shown.height != shown_.height) {
     picture_ = makeTexture(GL_RGBA8, shown.width, shown.height);
     framebuffer_ = makeFramebuffer(*picture_, nullptr);
@@ -28,15 +28,14 @@ void OpenGlView::draw(const Shown& shown) {
 LiveView::Progress OpenGlView::frame(const Camera& camera, int width, int height,
                                      const SplatOptions& options,
                                      DetailPacer::Milliseconds budget) {
-  Shown wanted{camera, width, height, options};
-  wanted.options.count = kAllPoints, wanted.options.enlarge = 1;
+  const PictureRequest wanted(camera, width, height, options);
   const bool other = stale_ || wanted != shown_;
   if (!other && progress_ == LiveView::Progress::Complete) return progress_;
   if (!started_) pacer_.start(levels_.counts, budget);
   started_ = true;
   const std::size_t finest = levels_.counts.size() - 1;
   const std::size_t level = other ? pacer_.level() : finest;
-  Shown drawn = wanted;
+  PictureRequest drawn = wanted;
   drawn.options.count = levels_.counts[level];
   drawn.options.enlarge = levels_.enlargement(level);
   const auto start = std::chrono::steady_clock::now();

@@ -25,19 +25,13 @@ class OpenGlView {
   GLuint texture() const { return picture_ ? picture_->id() : 0; }
 
  private:
-  struct Shown {
-    Camera camera;
-    int width = 0, height = 0;
-    SplatOptions options;
-    bool operator==(const Shown&) const = default;
-  };
-  void draw(const Shown& shown);
+  void draw(const PictureRequest& shown);
 
   SplatRenderer renderer_;
   LevelOrder levels_;
   DetailPacer pacer_;
   bool started_ = false, stale_ = true;
-  Shown shown_;
+  PictureRequest shown_;
   LiveView::Progress progress_ = LiveView::Progress::Coarse;
   std::optional<GlTexture> picture_;
   std::optional<GlFramebuffer> framebuffer_;
