@@ -191,6 +191,7 @@ Meeting meetsSynthesis(const Command& command, const Synthesize& job, const Docu
                 const bool input = c.options || c.rotation || c.borderWidth || c.locked;
                 return stopsIf(input && inJob(regions, c.region));
               },
+              [](const ShowOnly&) { return Meeting::Beside; },
               [](const MoveRegion&) { return Meeting::Beside; },
               [&](const SetSwatch& c) { return ofRegion(c); },
               [&](const AddStroke& c) { return ofRegion(c); },
@@ -214,6 +215,9 @@ std::string label(const Command& command, const Document& d) {
               },
               [&](const RemoveRegion& c) { return "Remove " + nameOf(d, c.region); },
               [&](const SetRegion& c) { return setLabel(c, d); },
+              [&](const ShowOnly& c) {
+                return c.region ? "Show only " + nameOf(d, *c.region) : "Show all regions";
+              },
               [&](const MoveRegion& c) { return "Move " + nameOf(d, c.region); },
               [](const Select& c) { return selectLabel(c); },
               [](const SelectAll&) { return std::string("Select all"); },

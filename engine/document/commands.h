@@ -33,6 +33,10 @@ struct SetRegion {  // what is given
   std::optional<bool> visible, locked;
   std::optional<double> rotation, borderWidth;
   std::optional<TextureOptions> options;
+  unsigned gesture = 0;  // not 0: with others of the same number one step of the history
+};
+struct ShowOnly {  // the other regions are hidden; none given: all are shown
+  std::optional<RegionId> region;
 };
 struct MoveRegion {
   RegionId region;
@@ -69,6 +73,7 @@ struct AssignSelection {
 struct SetSwatch {
   RegionId region;
   SwatchReference reference;  // an empty path: no swatch
+  unsigned gesture = 0;       // as SetRegion's
 };
 struct AddStroke {
   RegionId region;
@@ -110,10 +115,11 @@ struct GoTo {
   std::size_t entry;  // of the history
 };
 
-using Command = std::variant<OpenScan, AddRegion, RemoveRegion, SetRegion, MoveRegion, Select,
-                             SelectAll, SelectRegion, SelectConnected, SelectWand, GrowSelection,
-                             ShrinkSelection, InvertSelection, AssignSelection, SetSwatch,
-                             AddStroke, SetStroke, RemoveStroke, SegmentAutomatically, Synthesize,
-                             ClearResult, OpenProject, SaveProject, ExportScan, Undo, Redo, GoTo>;
+using Command =
+    std::variant<OpenScan, AddRegion, RemoveRegion, SetRegion, ShowOnly, MoveRegion, Select,
+                 SelectAll, SelectRegion, SelectConnected, SelectWand, GrowSelection,
+                 ShrinkSelection, InvertSelection, AssignSelection, SetSwatch, AddStroke, SetStroke,
+                 RemoveStroke, SegmentAutomatically, Synthesize, ClearResult, OpenProject,
+                 SaveProject, ExportScan, Undo, Redo, GoTo>;
 
 }  // namespace dapple

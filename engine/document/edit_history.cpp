@@ -34,13 +34,23 @@ std::size_t EditHistory::presentBytes() const {
   return sum;
 }
 
-void EditHistory::push(std::string label, Document document) {
+void EditHistory::amend(Document document) {
+  hold(document);
+  release(entries_[cursor_].document);
+  entries_[cursor_].document = std::move(document);
+}
+
+void EditHistory::push(std::string label, Document document, unsigned gesture) {
   while (entries_.size() > cursor_ + 1) {
     release(entries_.back().document);
     entries_.pop_back();
   }
+  if (gesture != 0 && entries_.back().gesture == gesture) {
+    entries_.back().label = std::move(label);
+    return amend(std::move(document));
+  }
   hold(document);
-  entries_.push_back({std::move(label), std::move(document)});
+  entries_.push_back({std::move(label), std::move(document), gesture});
   ++cursor_;
   const std::size_t allowed = byteBudget_ + presentBytes();
   while (cursor_ > 0 && bytes_ > allowed) {

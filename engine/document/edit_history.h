@@ -22,8 +22,11 @@ class EditHistory {
   std::size_t dropped() const { return dropped_; }  // entries, for want of bytes
   std::size_t bytes() const { return bytes_; }      // of all entries together
 
-  // A new present; what was undone is gone.
-  void push(std::string label, Document document);
+  // A new present; what was undone is gone. Edits of one gesture (not 0) right after each other are
+  // one entry.
+  void push(std::string label, Document document, unsigned gesture = 0);
+  // Another document in the present entry: what followed from it by itself.
+  void amend(Document document);
 
   // Throw InvalidInput when there is nothing to undo, to redo, or no such entry.
   const Document& undo();
@@ -34,6 +37,7 @@ class EditHistory {
   struct Entry {
     std::string label;
     Document document;
+    unsigned gesture = 0;
   };
   void hold(const Document& document);
   void release(const Document& document);

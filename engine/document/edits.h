@@ -19,6 +19,7 @@ vec3 nextColour(const std::vector<Region>& regions);
 Document edited(const Document& document, const AddRegion& command);
 Document edited(const Document& document, const RemoveRegion& command);
 Document edited(const Document& document, const SetRegion& command);
+Document edited(const Document& document, const ShowOnly& command);
 Document edited(const Document& document, const MoveRegion& command);
 Document edited(const Document& document, const AssignSelection& command);
 Document edited(const Document& document, const SetSwatch& command, const CommandContext& context);

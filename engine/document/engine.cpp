@@ -4,10 +4,12 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "base/errors.h"
 #include "document/edit_history.h"
+#include "document/live_regions.h"
 #include "document/preview_board.h"
 
 namespace dapple {
@@ -46,6 +48,12 @@ void bumpVersions(const Snapshot& before, Snapshot& now) {
   differs(Part::Preview, before.previewColour, now.previewColour);
 }
 
+unsigned gestureOf(const Command& command) {
+  if (const auto* set = std::get_if<SetRegion>(&command)) return set->gesture;
+  if (const auto* set = std::get_if<SetSwatch>(&command)) return set->gesture;
+  return 0;
+}
+
 }  // namespace
 
 struct Engine::Core {
@@ -58,6 +66,8 @@ struct Engine::Core {
     std::stop_source stop;
     std::atomic<Ending> ending{Ending::Natural};
     bool kept = false;           // stopped on the way, with an outcome
+    bool byItself = false;       // live: a part of the edit before it
+    bool byUser = false;         // ended by the user; under `mutex`
     Change change;               // the outcome, unless
     std::exception_ptr failure;  // it failed
     std::thread thread;
@@ -102,6 +112,8 @@ struct Engine::Core {
             reason = Wake::JobDone;
           else if (!quit && !waiting && !queue.empty())
             reason = Wake::NewCommand;
+          else if (!quit && !job && !head && live && !touched.empty())
+            reason = Wake::Touched;
           else
             return false;
           return true;
@@ -112,6 +124,7 @@ struct Engine::Core {
       }
       if (reason == Wake::Quit) return;
       if (reason == Wake::JobDone) endJob();
+      if (reason == Wake::Touched) startLive();
       if (head) meetJob();
       tellStatus();
     }
@@ -137,14 +150,16 @@ struct Engine::Core {
     const std::string name = label(command, history.document());
     try {
       if (std::holds_alternative<Undo>(command))
-        history.undo();
+        history.undo(), touched.clear();
       else if (std::holds_alternative<Redo>(command))
-        history.redo();
+        history.redo(), touched.clear();
       else if (const auto* to = std::get_if<GoTo>(&command))
-        history.goTo(to->entry);
+        history.goTo(to->entry), touched.clear();
       else {
         Monitor monitor(quickWorkers);
-        history.push(name, apply(history.document(), command, contextOf(nullptr), monitor));
+        Document next = apply(history.document(), command, contextOf(nullptr), monitor);
+        touch(next);
+        history.push(name, std::move(next), gestureOf(command));
       }
     } catch (const std::exception& error) {
       return fail(name, error.what());
@@ -152,9 +167,23 @@ struct Engine::Core {
     publishDocument();
   }
 
-  void startJob(const Command& command) {
+  // Remembers what the edit touches.
+  void touch(const Document& next) {
+    for (const RegionId id : touchedRegions(history.document(), next)) touched.insert(id);
+  }
+
+  void startLive() {
+    const RegionId region = *touched.begin();
+    if (canSynthesize(history.document(), region))
+      startJob(Synthesize{region}, true);
+    else
+      touched.erase(region);
+  }
+
+  void startJob(const Command& command, bool byItself = false) {
     auto next = std::make_unique<Job>();
     next->command = command;
+    next->byItself = byItself;
     next->document = history.document();
     next->label = label(command, next->document);
     Job& started = *next;
@@ -186,14 +215,33 @@ struct Engine::Core {
       if (ended->failure) std::rethrow_exception(ended->failure);
       // Stopped too late to notice: the wish counts.
       if (ended->ending == Ending::Discard) throw Cancelled();
-      if (!onlyReads(ended->command))
-        history.push(ended->label + (ended->kept ? " (stopped)" : ""),
-                     ended->change(history.document()));
+      take(*ended);
     } catch (const Cancelled&) {
     } catch (const std::exception& error) {
       fail(ended->label, error.what());
+      touched.clear();
     }
+    if (ended->byUser) touched.clear();
     publishDocument();
+  }
+
+  // The outcome of a job that ended well.
+  void take(const Job& ended) {
+    if (onlyReads(ended.command)) return;
+    Document next = ended.change(history.document());
+    if (const auto* synthesis = std::get_if<Synthesize>(&ended.command)) {
+      if (synthesis->region)
+        touched.erase(*synthesis->region);
+      else
+        touched.clear();
+    } else {
+      touch(next);
+      if (next.scan != history.document().scan) touched.clear();
+    }
+    if (ended.byItself)
+      history.amend(std::move(next));
+    else
+      history.push(ended.label + (ended.kept ? " (stopped)" : ""), std::move(next));
   }
 
   void publishDocument() {
@@ -212,6 +260,7 @@ struct Engine::Core {
       const std::lock_guard lock(mutex);
       status.historyBytes = history.bytes();
       handling = head.has_value();
+      somethingTouched = !touched.empty();
     }
     idle.notify_all();
     if (options.changed) options.changed();
@@ -318,9 +367,18 @@ struct Engine::Core {
     return first;
   }
 
-  bool busy() const { return handling || !queue.empty() || job || jobDone; }
+  void endByUser(Ending how) {
+    const std::lock_guard lock(mutex);
+    if (!job) return;
+    job->byUser = true;
+    job->end(how);
+  }
 
-  enum class Wake { Quit, JobDone, NewCommand };
+  bool busy() const {
+    return handling || !queue.empty() || job || jobDone || (live && somethingTouched);
+  }
+
+  enum class Wake { Quit, JobDone, NewCommand, Touched };
 
   const EngineOptions options;
   Workers jobWorkers, quickWorkers;
@@ -330,13 +388,15 @@ struct Engine::Core {
   EditHistory history;
   std::optional<Command> head;  // taken from the queue
   bool waiting = false;         // head waits for the end of the job
+  std::set<RegionId> touched;   // to be synthesized again by themselves
 
   std::mutex publishing;  // one publisher at a time; taken before `mutex`
   mutable std::mutex mutex;
   std::condition_variable wake, idle;
   // Under `mutex`. The engine thread alone changes `job` and may read it without.
   std::deque<Command> queue;
-  bool quit = false, jobDone = false;
+  bool quit = false, jobDone = false, live = false;
+  bool somethingTouched = false;  // `touched` is not empty
   bool handling = false;  // the engine thread works, or has a command that waits for the job
   std::unique_ptr<Job> job;
   std::shared_ptr<const Snapshot> current;
@@ -381,14 +441,21 @@ void Engine::resume() {
   core_->status.paused = false;
 }
 
+void Engine::setLive(bool live) {
+  {
+    const std::lock_guard lock(core_->mutex);
+    core_->live = live;
+  }
+  core_->wake.notify_all();
+  core_->idle.notify_all();
+}
+
 void Engine::stop() {
-  const std::lock_guard lock(core_->mutex);
-  if (core_->job) core_->job->end(Ending::Keep);
+  core_->endByUser(Ending::Keep);
 }
 
 void Engine::cancel() {
-  const std::lock_guard lock(core_->mutex);
-  if (core_->job) core_->job->end(Ending::Discard);
+  core_->endByUser(Ending::Discard);
 }
 
 void Engine::finish() {

@@ -81,6 +81,11 @@ class Engine {
   std::shared_ptr<const Snapshot> snapshot() const;
   EngineStatus status() const;
 
+  // Live: after each edit the regions that it touches are synthesized again by themselves
+  // (touchedRegions()), as a part of that edit in the history. What the user stops or cancels stays
+  // so until the next edit.
+  void setLive(bool live);
+
   // Of the job that runs, if any.
   void pause();
   void resume();

@@ -191,6 +191,15 @@ Document edited(const Document& document, const SetRegion& command) {
   return withRegion(document, positionOf(document, command.region), std::move(region));
 }
 
+Document edited(const Document& document, const ShowOnly& command) {
+  if (command.region) regionOf(document, *command.region);
+  std::vector<Region> regions = *document.regions;
+  for (Region& region : regions) region.visible = !command.region || region.id == *command.region;
+  Document out = document;
+  out.regions = shared(std::move(regions));
+  return out;
+}
+
 Document edited(const Document& document, const MoveRegion& command) {
   std::vector<Region> regions = *document.regions;
   const std::size_t from = positionOf(document, command.region);

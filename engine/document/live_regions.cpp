@@ -1,0 +1,38 @@
+#include "document/live_regions.h"
+
+#include <algorithm>
+#include <array>
+
+namespace dapple {
+namespace {
+
+bool sameInput(const Region& a, const Region& b) {
+  return a.image == b.image && a.swatch == b.swatch && a.options == b.options &&
+         a.rotation == b.rotation && a.borderWidth == b.borderWidth && a.strokes == b.strokes;
+}
+
+}  // namespace
+
+std::vector<RegionId> touchedRegions(const Document& before, const Document& after) {
+  std::vector<RegionId> out;
+  if (!after.scan || before.scan != after.scan) return out;
+  std::array<bool, kMostRegions + 1> touched{};
+  for (const Region& region : *after.regions) {
+    const Region* old = findRegion(before, region.id);
+    touched[region.id] = old && !sameInput(*old, region);
+  }
+  if (before.labels != after.labels)
+    for (std::size_t i = 0; i < after.size(); ++i)
+      if ((*before.labels)[i] != (*after.labels)[i]) touched[(*after.labels)[i]] = true;
+  for (std::size_t id = 0; id < touched.size(); ++id)
+    if (touched[id]) out.push_back(static_cast<RegionId>(id));
+  return out;
+}
+
+bool canSynthesize(const Document& document, RegionId id) {
+  const Region* region = findRegion(document, id);
+  return document.scan && region && region->swatch && !region->locked &&
+         std::find(document.labels->begin(), document.labels->end(), id) != document.labels->end();
+}
+
+}  // namespace dapple
