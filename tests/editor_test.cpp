@@ -1,74 +1,13 @@
 // The whole window in process: clicks and keys go in, pictures come out.
-#include "app/editor/editor.h"
-
-#include <doctest/doctest.h>
-#include <fmt/format.h>
-
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 #include "app/render/image_compare.h"
 #include "base/hash_rng.h"
-#include "io/image_io.h"
-#include "tests/gui_harness.h"
+#include "tests/editor_desk.h"
 
 using namespace dapple;
 namespace fs = std::filesystem;
-
-namespace {
-
-constexpr int kWidth = 1280, kHeight = 800;
-constexpr int kPatience = 20000;  // frames
-
-std::string asset(const std::string& name) {
-  return fmt::format("{}/{}", DAPPLE_ASSETS, name);
-}
-
-struct Desk {
-  GuiHarness gui;
-  Editor editor;
-
-  explicit Desk(float uiScale = 1, int width = kWidth, int height = kHeight)
-      : gui(width, height, uiScale), editor({.assets = DAPPLE_ASSETS, .threads = 2}) {
-    gui.setBuild([this, width, height] { editor.frame(width, height); });
-    gui.settle();
-    REQUIRE(gui.frameUntil([&] { return gui.has("swatch.scales"); }, kPatience));
-  }
-  // Until the engine rests and the picture is complete.
-  void rest() {
-    gui.settle();
-    gui.frames(2);
-    REQUIRE(gui.frameUntil(
-        [&] {
-          return !editor.engine().status().busy &&
-                 editor.engine().snapshot().get() == &editor.snapshot() && editor.view().complete();
-        },
-        kPatience));
-    gui.frames(3);
-  }
-  void openScan() {
-    gui.drop({asset("scans/creature.ply")});
-    rest();
-    REQUIRE(document().size() == 29945);
-  }
-  // Over the body, from left to right.
-  void brushBody(unsigned modifiers = 0) {
-    const ImVec2 view = gui.at("view");
-    gui.drag(0, {view.x - 120, view.y}, {view.x + 60, view.y - 20}, 8, modifiers);
-    rest();
-  }
-  std::size_t selected() { return document().selection ? document().selection->count() : 0; }
-  Image save(const std::string& name) {
-    fs::create_directories(DAPPLE_EDITOR_PICTURES);
-    Image picture = gui.picture();
-    writeImage(fs::path(DAPPLE_EDITOR_PICTURES) / (name + ".png"), picture);
-    return picture;
-  }
-  const Document& document() { return editor.snapshot().document; }
-};
-
-}  // namespace
 
 TEST_CASE("from the start screen one click leads to a textured scan") {
   Desk desk;
@@ -117,8 +56,8 @@ TEST_CASE("a part is brushed, made a region and textured; all of it is undone an
   for (std::size_t k = 0; k < steps; ++k) desk.gui.key(letterKey('Z'), kCtrl | kShift);
   desk.rest();
   CHECK(sameContent(desk.document(), last));
-  desk.gui.click("panel.synthesis");  // folded: the history comes into sight
-  desk.gui.click("panel.swatch");
+  desk.gui.click("panel.swatch");  // folded: the history comes into sight
+  desk.gui.click("panel.synthesis");
   desk.gui.click("history.1");
   desk.rest();
   CHECK(sameContent(desk.document(), first));
@@ -152,7 +91,7 @@ TEST_CASE("a hidden region is neither seen nor selected") {
   const std::size_t brushed = desk.selected();
   desk.gui.key(letterKey('G'), kCtrl);
   desk.rest();
-  desk.gui.click("visible");  // of the last row, the new region's
+  desk.gui.click("region.visible.1");
   desk.rest();
   REQUIRE_FALSE(desk.document().regions->back().visible);
   desk.save("hidden");
@@ -162,7 +101,7 @@ TEST_CASE("a hidden region is neither seen nor selected") {
   desk.gui.drag(0, {view.x - 450, view.y + 350}, {view.x + 450, view.y - 350});
   desk.rest();
   CHECK(desk.selected() == 29945 - brushed);
-  desk.gui.click("visible");
+  desk.gui.click("region.visible.1");
   desk.gui.key(letterKey('A'), kCtrl | kShift);
   desk.gui.click("region.row.0");
   desk.rest();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/editor/editor_layout.h"
+#include "app/editor/view_legend.h"
 #include "app/gui/gui_context.h"
 #include "app/gui/gui_renderer.h"
 #include "app/gui/scopes.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr DetailPacer::Milliseconds kBudget(25);  // of a frame's 33 ms, for the picture
 constexpr float kBrushStep = 1.15f;               // times, a notch of the wheel
 constexpr float kPick = 4;                        // logical pixels
+constexpr float kStrokeReach = 8;                 // logical pixels
 constexpr char kProject[] = ".dapple";
 
 bool isImage(const std::filesystem::path& path) {
@@ -47,7 +49,9 @@ Editor::Editor(EditorOptions options)
       snapshot_(engine_.snapshot()),
       view_(workers_),
       library_([](const std::filesystem::path& path) { return readImage(path); }),
-      navigation_(&navigationPreset("Default")) {
+      navigation_(&navigationPreset("Default")),
+      live_(options_.live) {
+  engine_.setLive(live_);
   library_.addFolder(options_.assets / "swatches");
   addActions();
 }
@@ -62,7 +66,32 @@ const Region& Editor::chosen() const {
 void Editor::choose(RegionId region) {
   if (region != chosen_) editing_.reset();
   chosen_ = region;
-  tools_.region = region;
+}
+
+void Editor::chooseNewRegion(const Document& before) {
+  if (before.regions == snapshot_->document.regions || before.scan != snapshot_->document.scan)
+    return;
+  for (const Region& region : *snapshot_->document.regions)
+    if (!findRegion(before, region.id)) return choose(region.id);
+}
+
+void Editor::setLive(bool live) {
+  live_ = live;
+  engine_.setLive(live);
+}
+
+RegionSettings Editor::settingsShown() const {
+  return editing_ ? *editing_ : RegionSettings::of(chosen());
+}
+
+void Editor::changeSettings(const RegionSettings& settings) {
+  const RegionSettings now = settingsShown();
+  editing_ = settings;
+  SetRegion set{.region = chosen().id, .gesture = gesture_};
+  if (!(settings.options == now.options)) set.options = settings.options;
+  if (settings.rotation != now.rotation) set.rotation = settings.rotation;
+  if (settings.borderWidth != now.borderWidth) set.borderWidth = settings.borderWidth;
+  engine_.submit(set);
 }
 
 void Editor::chooseTool(Tool tool) {
@@ -81,11 +110,15 @@ void Editor::open(const std::filesystem::path& path) {
     project_ = path.string();
     engine_.submit(OpenProject{path.string(), {}});
   } else if (isImage(path)) {
-    library_.add(path);
-    engine_.submit(SetSwatch{chosen_, {path.string(), {}}});
+    openImage(path);
   } else {
     engine_.submit(OpenScan{path.string(), {}});
   }
+}
+
+void Editor::openImage(const std::filesystem::path& path) {
+  library_.add(path);
+  engine_.submit(SetSwatch{chosen_, {path.string(), {}}});
 }
 
 void Editor::openSample() {
@@ -95,9 +128,27 @@ void Editor::openSample() {
   engine_.submit(Synthesize{});
 }
 
+std::optional<RegionId> Editor::regionUnder(const Layout& layout) const {
+  if (view_.empty() || view_.picture().width == 0) return std::nullopt;
+  const vec2 cursor = layout.inView(ImGui::GetIO().MousePos);
+  const auto under = view_.picker().pointAt(view_.pickView(view_.pictureCamera(), false), cursor,
+                                            kPick * layout.uiScale);
+  const Column<RegionId>& labels = snapshot_->document.labels;
+  if (!under || under->point >= labels->size()) return std::nullopt;
+  return (*labels)[under->point];
+}
+
+void Editor::pickStroke(vec2 place, float reach) {
+  const OverlayView over(view_.pictureCamera(), view_.picture(), view_.splatRadius());
+  stroke_ = strokeAt(over, snapshot_->document, place, reach);
+  if (stroke_) choose(stroke_->region);
+}
+
 void Editor::cancel() {
   if (hand_.active())
     hand_.abort(view_);
+  else if (stroke_ && !working())
+    stroke_.reset();
   else if (working())
     engine_.cancel();
 }
@@ -153,6 +204,7 @@ void Editor::toolInput(const Layout& layout, bool hovered) {
                 .ctrl = io.KeyCtrl,
                 .uiScale = layout.uiScale},
                tools_, view_, engine_);
+  if (const auto click = hand_.takeClick()) pickStroke(*click, kStrokeReach * layout.uiScale);
 }
 
 const OverlayLines& Editor::restingLines(const OverlayView& over, const Camera& camera) {
@@ -185,13 +237,7 @@ void Editor::drawOverlays(const Layout& layout) {
     lines.insert(lines.end(), more.begin(), more.end());
   };
   if (view_.complete() || camera == resting_.camera) add(restingLines(over, camera));
-  if (settings_.strokes) {
-    std::vector<SurfaceStroke> strokes;
-    for (const Region& region : *snapshot_->document.regions)
-      if (region.strokes)
-        for (const Stroke& stroke : *region.strokes) strokes.push_back({stroke.positions});
-    add(strokeLines(over, strokes));
-  }
+  if (settings_.strokes) add(strokesOverlay(over, snapshot_->document, stroke_));
   add(hand_.overlay(tools_, view_));
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 min = layout.viewMin();
@@ -227,17 +273,32 @@ void Editor::viewPanel(const Layout& layout) {
                                          {min.x + size.x, min.y + size.y}, {0, top}, {1, 1 - top});
   }
   drawOverlays(layout);
+  drawViewLegend(view_, settings_.show,
+                 {min.x + theme::px(theme::kGap), min.y + size.y - theme::px(theme::kGap)});
+}
+
+// What the engine and the user have done since the last frame.
+void Editor::takeNews(const Layout& layout) {
+  const Document before = snapshot_->document;
+  snapshot_ = engine_.snapshot();
+  status_ = engine_.status();
+  library_.update();
+  chooseNewRegion(before);
+  if (!findRegion(snapshot_->document, chosen_)) choose(kUnassigned);
+  if (stroke_ && !findStroke(snapshot_->document, *stroke_)) stroke_.reset();
+  if (ImGui::IsMouseClicked(0)) gesture_ = static_cast<unsigned>(ImGui::GetFrameCount());
+  if (editing_ &&
+      (*editing_ == RegionSettings::of(chosen()) || (!status_.busy && !ImGui::IsAnyItemActive())))
+    editing_.reset();
+  for (const std::filesystem::path& path : GuiContext::current().dropped()) {
+    // An image is for what it is dropped on.
+    if (const auto region = isImage(path) ? regionUnder(layout) : std::nullopt) choose(*region);
+    open(path);
+  }
+  view_.follow(snapshot_, settings_);
 }
 
 bool Editor::frame(int width, int height) {
-  snapshot_ = engine_.snapshot();
-  status_ = engine_.status();
-  if (!findRegion(snapshot_->document, chosen_)) choose(kUnassigned);
-  for (const std::filesystem::path& path : GuiContext::current().dropped()) open(path);
-  view_.follow(snapshot_, settings_);
-  actions_.dispatch(browser_.isOpen() || search_.isOpen() || sheet_.isOpen());
-
-  if (const scope::MainMenuBar bar; bar) actionMenus(actions_);
   const Layout layout{.width = static_cast<float>(width),
                       .height = static_cast<float>(height),
                       .menu = ImGui::GetFrameHeight(),
@@ -245,6 +306,10 @@ bool Editor::frame(int width, int height) {
                       .left = theme::px(theme::kToolbarWidth),
                       .right = theme::px(theme::kPanelWidth),
                       .uiScale = GuiContext::current().uiScale()};
+  takeNews(layout);
+  actions_.dispatch(browser_.isOpen() || search_.isOpen() || sheet_.isOpen());
+
+  if (const scope::MainMenuBar bar; bar) actionMenus(actions_);
   viewPanel(layout);
   toolbar(layout);
   toolOptions(layout);

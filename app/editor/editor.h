@@ -6,8 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "app/editor/region_panel.h"
 #include "app/editor/scene_view.h"
-#include "app/editor/swatch_library.h"
+#include "app/editor/strokes_view.h"
+#include "app/editor/swatch_panel.h"
 #include "app/editor/tools.h"
 #include "app/gui/action_views.h"
 #include "app/gui/file_browser.h"
@@ -20,6 +22,7 @@ namespace dapple {
 struct EditorOptions {
   std::filesystem::path assets;  // swatches/ and scans/
   unsigned threads = 0;          // of the engine; 0: one a processor
+  bool live = true;              // regions are synthesized again after each edit that touches them
   std::function<void()> wake;    // the engine has something new: called from its threads
 };
 
@@ -50,7 +53,9 @@ class Editor {
   void addFileActions();
   void addEditActions();
   void addRegionActions();
+  void addVisibilityActions();
   void addSynthesisActions();
+  void addStrokeActions();
   void addViewActions();
   void addCameraActions();
   void addDisplayActions();
@@ -63,7 +68,6 @@ class Editor {
   void toolbar(const Layout& layout);
   void toolOptions(const Layout& layout);
   void sidePanel(const Layout& layout);
-  void regionRow(const Region& region);
   void regionList();
   void swatchPanel();
   void methodPanel();
@@ -72,6 +76,7 @@ class Editor {
   void statusBar(const Layout& layout);
   void takeMessages();
 
+  void takeNews(const Layout& layout);
   void viewPanel(const Layout& layout);
   void navigate(const Layout& layout, bool hovered);
   void zoomWheel(const Layout& layout);
@@ -79,10 +84,20 @@ class Editor {
   const OverlayLines& restingLines(const OverlayView& over, const Camera& camera);
   void drawOverlays(const Layout& layout);
 
+  void openImage(const std::filesystem::path& path);
   void openSample();
   void cancel();  // the gesture, else the job
   const Region& chosen() const;
   void choose(RegionId region);
+  void chooseNewRegion(const Document& before);
+  // The region on which the cursor is.
+  std::optional<RegionId> regionUnder(const Layout& layout) const;
+  void pickStroke(vec2 place, float reach);
+  void strokeOptions();
+  // What the sliders show of the chosen region, and what they make of it.
+  RegionSettings settingsShown() const;
+  void changeSettings(const RegionSettings& settings);
+  void setLive(bool live);
   void chooseTool(Tool tool);
   bool hasScan() const { return snapshot_->document.scan != nullptr; }
   bool hasSelection() const;
@@ -105,9 +120,14 @@ class Editor {
   Asking asking_ = Asking::Nothing;
   const NavigationPreset* navigation_;
   RegionId chosen_ = kUnassigned;
-  std::optional<TextureOptions> editing_;  // while a slider is dragged
-  std::string project_;                    // path, once saved or opened
-  std::size_t errors_ = 0, notes_ = 0;     // of the engine's, that the user has been told
+  RegionPanel regionPanel_;
+  SwatchPanel swatchPanel_;
+  std::optional<StrokeId> stroke_;         // chosen
+  std::optional<RegionSettings> editing_;  // until the engine has them
+  unsigned gesture_ = 0;                   // since the mouse button went down
+  bool live_;
+  std::string project_;                 // path, once saved or opened
+  std::size_t errors_ = 0, notes_ = 0;  // of the engine's, that the user has been told
   Notices notices_;
   // Outlines and directions, which take as long as a picture: made when the camera rests.
   struct Resting {

@@ -195,12 +195,53 @@ void Editor::addRegionActions() {
                 .icon = Icon::split,
                 .enabled = [this] { return hasScan(); },
                 .run = [this] { engine_.submit(SegmentAutomatically{}); }});
+  addVisibilityActions();
+  actions_.add({.id = "region.rename",
+                .label = "Rename region...",
+                .menu = "Region",
+                .shortcuts = shortcuts("F2"),
+                .run = [this] { regionPanel_.rename(chosen()); }});
   actions_.add({.id = "region.remove",
                 .label = "Remove region",
                 .menu = "Region",
                 .icon = Icon::trash,
                 .enabled = [this] { return chosen_ != kUnassigned; },
                 .run = [this] { engine_.submit(RemoveRegion{chosen_}); }});
+}
+
+void Editor::addVisibilityActions() {
+  actions_.add({.id = "region.hide",
+                .label = "Hide region",
+                .menu = "Region",
+                .shortcuts = shortcuts("H"),
+                .icon = Icon::eyeOff,
+                .separatorBefore = true,
+                .run = [this] {
+                  SetRegion set{.region = chosen().id};
+                  set.visible = !chosen().visible;
+                  engine_.submit(set);
+                }});
+  actions_.add({.id = "region.show-all",
+                .label = "Show all regions",
+                .menu = "Region",
+                .shortcuts = shortcuts("Shift+H"),
+                .icon = Icon::eye,
+                .run = [this] { engine_.submit(ShowOnly{}); }});
+  const auto alone = [this] {
+    for (const Region& region : *snapshot_->document.regions)
+      if (region.visible != (region.id == chosen().id)) return false;
+    return snapshot_->document.regions->size() > 1;
+  };
+  actions_.add(
+      {.id = "region.isolate",
+       .label = "Show only this region",
+       .menu = "Region",
+       .shortcuts = shortcuts("/"),
+       .help = "Again: all are shown.",
+       .icon = Icon::layers,
+       .enabled = [this] { return snapshot_->document.regions->size() > 1; },
+       .checked = alone,
+       .run = [this, alone] { engine_.submit(alone() ? ShowOnly{} : ShowOnly{chosen().id}); }});
 }
 
 void Editor::addSynthesisActions() {
@@ -218,6 +259,13 @@ void Editor::addSynthesisActions() {
                 .icon = Icon::play,
                 .enabled = [this] { return hasScan() && chosen().swatch && !working(); },
                 .run = [this] { engine_.submit(Synthesize{chosen_}); }});
+  actions_.add({.id = "synthesize.live",
+                .label = "Live",
+                .menu = "Region",
+                .shortcuts = shortcuts("Ctrl+L"),
+                .help = "After each edit what it touches is synthesized again.",
+                .checked = [this] { return live_; },
+                .run = [this] { setLive(!live_); }});
   actions_.add({.id = "synthesize.all",
                 .label = "Synthesize all",
                 .menu = "Region",
@@ -232,6 +280,32 @@ void Editor::addSynthesisActions() {
                              });
                     },
                 .run = [this] { engine_.submit(Synthesize{}); }});
+}
+
+void Editor::addStrokeActions() {
+  const auto some = [this] { return stroke_.has_value(); };
+  actions_.add({.id = "stroke.reverse",
+                .label = "Reverse stroke",
+                .menu = "Region",
+                .help = "The swatch's top points the other way.",
+                .separatorBefore = true,
+                .enabled = some,
+                .run = [this] {
+                  Stroke turned = *findStroke(snapshot_->document, *stroke_);
+                  std::reverse(turned.positions.begin(), turned.positions.end());
+                  std::reverse(turned.points.begin(), turned.points.end());
+                  engine_.submit(SetStroke{stroke_->region, stroke_->index, turned});
+                }});
+  actions_.add({.id = "stroke.remove",
+                .label = "Remove stroke",
+                .menu = "Region",
+                .shortcuts = shortcuts("Delete"),
+                .icon = Icon::trash,
+                .enabled = some,
+                .run = [this] {
+                  engine_.submit(RemoveStroke{stroke_->region, stroke_->index});
+                  stroke_.reset();
+                }});
 }
 
 void Editor::addViewActions() {
@@ -383,6 +457,7 @@ void Editor::addActions() {
   addEditActions();
   addRegionActions();
   addSynthesisActions();
+  addStrokeActions();
   addViewActions();
   addCameraActions();
   addDisplayActions();

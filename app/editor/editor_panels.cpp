@@ -15,7 +15,7 @@ namespace {
 
 using theme::px;
 
-constexpr float kSwatchSide = 58;      // logical pixels
+constexpr float kLiveWidth = 72;       // logical pixels
 constexpr float kHistoryHeight = 170;  // logical pixels
 constexpr float kJobHeight = 52;       // logical pixels, while something is synthesized
 
@@ -76,68 +76,67 @@ void Editor::toolOptions(const Layout& layout) {
   const scope::Window window(
       "tool options", nullptr,
       (kFixedWindow & ~ImGuiWindowFlags_NoBringToFrontOnFocus) | ImGuiWindowFlags_AlwaysAutoResize);
-  const scope::ItemWidth width(px(120));
+  const scope::ItemWidth width(px(180));
   if (tools_.tool == Tool::Brush)
-    ImGui::SliderFloat("Radius", &tools_.brushRadius, 3, 500, "%.0f px",
-                       ImGuiSliderFlags_Logarithmic);
+    slider({.label = "Radius",
+            .low = 3,
+            .high = 500,
+            .usual = ToolSettings{}.brushRadius,
+            .format = "%.0f px",
+            .logarithmic = true,
+            .mark = "brush.radius"},
+           tools_.brushRadius);
   if (tools_.tool == Tool::Wand) {
+    constexpr float kMost[] = {180, 1, 500}, kUsual[] = {20, 0.15f, 20};
     constexpr const char* kBy[] = {"Normal", "Colour", "Distance"};
     int by = static_cast<int>(tools_.wand.by);
     if (segments("by", kBy, 3, by)) {
       tools_.wand.by = static_cast<WandBy>(by);
-      tools_.wand.threshold = by == 0 ? 20.f : by == 1 ? 0.15f : 20.f;
+      tools_.wand.threshold = kUsual[by];
     }
-    const float most = tools_.wand.by == WandBy::Normal   ? 180.f
-                       : tools_.wand.by == WandBy::Colour ? 1.f
-                                                          : 500.f;
-    ImGui::SliderFloat("Threshold", &tools_.wand.threshold, 0, most, "%.3g");
+    constexpr const char* kFormats[] = {"%.0f deg", "%.2f", "%.0f"};
+    slider({.label = "Threshold",
+            .low = 0,
+            .high = kMost[by],
+            .usual = kUsual[by],
+            .format = kFormats[by],
+            .mark = "wand.threshold"},
+           tools_.wand.threshold);
     toggle("Connected", tools_.wand.connected, "wand.connected");
   }
   if (tools_.tool != Tool::Wand && tools_.tool != Tool::Stroke)
     toggle("Through", tools_.through, "tool.through-toggle");
-  if (tools_.tool == Tool::Stroke) mutedText("Draw where the swatch's top is to point.");
+  if (tools_.tool == Tool::Stroke) strokeOptions();
 }
 
-void Editor::regionRow(const Region& region) {
-  const scope::Id id(region.id);
-  const float side = px(14), height = px(theme::kRowHeight);
-  const float icons = 2 * px(24) + px(theme::kGapSmall);
-  const ImVec2 start = ImGui::GetCursorPos();
-  if (ImGui::Selectable("##row", region.id == chosen_, ImGuiSelectableFlags_AllowItemOverlap,
-                        {ImGui::GetContentRegionAvail().x - icons, height}))
-    choose(region.id);
-  markItem(fmt::format("region.row.{}", region.id));
-  ImGui::SetCursorPos({start.x + px(theme::kGapSmall), start.y + 0.5f * (height - side)});
-  colourChip({region.colour.r, region.colour.g, region.colour.b, 1}, side);
-  ImGui::SetCursorPos(
-      {start.x + side + px(12), start.y + 0.5f * (height - ImGui::GetTextLineHeight())});
-  clippedText(region.name, ImGui::GetContentRegionAvail().x - icons);
-  ImGui::SetCursorPos({start.x + ImGui::GetContentRegionAvail().x - icons + px(theme::kGapSmall),
-                       start.y + 0.5f * (height - px(24))});
-  SetRegion set{region.id};
-  if (iconButton({.icon = region.visible ? Icon::eye : Icon::eyeOff,
-                  .id = "visible",
-                  .tooltip = region.visible ? "Hide" : "Show",
-                  .size = 24})) {
-    set.visible = !region.visible;
-    engine_.submit(set);
+void Editor::strokeOptions() {
+  const Stroke* stroke = stroke_ ? findStroke(snapshot_->document, *stroke_) : nullptr;
+  if (!stroke) {
+    mutedText("Draw where the swatch's top is to point. Click a stroke to choose it.");
+    return;
   }
-  ImGui::SameLine(0, 0);
-  if (iconButton({.icon = region.locked ? Icon::lock : Icon::unlock,
-                  .id = "locked",
-                  .tooltip = region.locked ? "Unlock" : "Lock: its points stay as they are",
-                  .selected = region.locked,
-                  .size = 24})) {
-    set.locked = !region.locked;
-    engine_.submit(set);
+  float weight = stroke->weight;
+  if (slider({.label = "Weight",
+              .low = 0.1f,
+              .high = 10,
+              .usual = 1,
+              .logarithmic = true,
+              .mark = "stroke.weight"},
+             weight)) {
+    Stroke changed = *stroke;
+    changed.weight = weight;
+    engine_.submit(SetStroke{stroke_->region, stroke_->index, changed, gesture_});
   }
-  ImGui::SetCursorPos({start.x, start.y + height + px(theme::kGapTiny)});
+  actionTextButton(actions_, "stroke.reverse", false);
+  ImGui::SameLine(0, px(theme::kGapSmall));
+  actionTextButton(actions_, "stroke.remove", false);
 }
 
 void Editor::regionList() {
   if (!sectionHeader("Regions", true, "panel.regions")) return;
-  for (const Region& region : *snapshot_->document.regions) regionRow(region);
-  for (const char* id : {"region.add", "region.assign", "region.segment", "region.remove"}) {
+  choose(regionPanel_.draw(snapshot_->document, chosen().id, library_, engine_));
+  for (const char* id :
+       {"region.add", "region.assign", "region.segment", "region.isolate", "region.remove"}) {
     actionButton(actions_, id);
     ImGui::SameLine(0, px(theme::kGapSmall));
   }
@@ -146,47 +145,26 @@ void Editor::regionList() {
 
 void Editor::swatchPanel() {
   if (!sectionHeader("Swatch", true, "panel.swatch")) return;
-  const float side = px(kSwatchSide), space = px(theme::kGapSmall);
-  const float width = ImGui::GetContentRegionAvail().x;
-  const int columns = std::max(1, static_cast<int>((width + space) / (side + space)));
-  const std::string current = chosen().reference.path;
-  int k = 0;
-  for (const SwatchLibrary::Entry& entry : library_.entries()) {
-    if (k++ % columns != 0) ImGui::SameLine(0, space);
-    const scope::Id id(entry.path.c_str());
-    if (ImGui::InvisibleButton("swatch", {side, side}))
-      engine_.submit(SetSwatch{chosen_, {entry.path.string(), {}}});
-    markItem(fmt::format("swatch.{}", entry.path.stem().string()));
-    tooltip(entry.path.filename().string());
-    const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
-    ImDrawList* list = ImGui::GetWindowDrawList();
-    list->AddImageRounded(guiTexture(entry.thumbnail.id()), min, max, {0, 0}, {1, 1},
-                          IM_COL32_WHITE, px(theme::kRadius));
-    const bool taken = entry.path == current;
-    if (taken || ImGui::IsItemHovered())
-      list->AddRect(min, max, theme::packed(taken ? theme::kAccent : theme::kLineStrong),
-                    px(theme::kRadius), 0, px(taken ? 2.5f : 1.5f));
-  }
+  RegionSettings settings = settingsShown();
+  if (swatchPanel_.draw(chosen(), settings, library_, engine_)) changeSettings(settings);
   actionTextButton(actions_, "region.swatch", false, -1);
 }
 
 void Editor::methodPanel() {
   if (!sectionHeader("Synthesis", true, "panel.synthesis")) return;
-  TextureOptions options = editing_ ? *editing_ : chosen().options;
-  const OptionEdit edit = optionWidgets(options);
-  // One step of the history for a whole drag.
-  if (edit != OptionEdit::None) editing_ = options;
-  if (edit == OptionEdit::Done) {
-    SetRegion set{chosen().id};
-    set.options = options;
-    engine_.submit(set);
-  }
-  if (editing_ && *editing_ == chosen().options) editing_.reset();
+  RegionSettings settings = settingsShown();
+  if (optionWidgets(settings.options)) changeSettings(settings);
 }
 
 void Editor::jobPanel() {
   if (!working()) {
-    actionTextButton(actions_, "synthesize.all", true, -1);
+    const float side = px(kLiveWidth);
+    actionTextButton(actions_, "synthesize.all", true,
+                     ImGui::GetContentRegionAvail().x - side - px(theme::kGap));
+    ImGui::SameLine(0, px(theme::kGap));
+    bool live = live_;
+    if (toggle("Live", live, "synthesize.live-toggle")) setLive(live);
+    tooltip("Synthesize again after each edit what the edit touches");
     return;
   }
   const Progress& progress = status_.progress;

@@ -2,7 +2,6 @@
 
 #include <imgui.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -67,7 +66,7 @@ struct Widget {
   }
 };
 
-OptionEdit optionWidget(TextureOptions& options, const OptionRow& row) {
+bool optionWidget(TextureOptions& options, const OptionRow& row) {
   const std::string name(row.name), id = "##" + name;
   ImGui::AlignTextToFramePadding();
   clippedText(name, theme::px(kLabelWidth - theme::kGapLarge));
@@ -75,35 +74,33 @@ OptionEdit optionWidget(TextureOptions& options, const OptionRow& row) {
   ImGui::SameLine(theme::px(kLabelWidth));
   ImGui::SetNextItemWidth(-1);
   const bool changed = std::visit(Widget{options, row, id.c_str()}, row.field);
-  const bool held = ImGui::IsItemActive(), left = ImGui::IsItemDeactivatedAfterEdit();
   markItem("option." + name);
   const std::string standard = optionText(TextureOptions{}, row);
   if (const scope::ContextPopup popup(("reset " + name).c_str()); popup)
     if (ImGui::MenuItem(("Reset to " + standard).c_str())) {
       setOption(options, row, standard);
-      return OptionEdit::Done;
+      return true;
     }
-  if (left || (changed && !held)) return OptionEdit::Done;
-  return changed ? OptionEdit::Changing : OptionEdit::None;
+  return changed;
 }
 
 }  // namespace
 
-OptionEdit optionWidgets(TextureOptions& options) {
+bool optionWidgets(TextureOptions& options) {
   TextureOptions edited = options;
-  OptionEdit edit = OptionEdit::None;
+  bool changed = false;
   for (const OptionRow& row : optionsTable()) {
     if (row.name == "threads") continue;  // the engine's
-    edit = std::max(edit, optionWidget(edited, row));
+    changed |= optionWidget(edited, row);
   }
-  if (edit == OptionEdit::None) return edit;
+  if (!changed) return false;
   try {
     validate(edited);
   } catch (const InvalidInput&) {
-    return OptionEdit::None;  // half typed
+    return false;  // half typed
   }
   options = edited;
-  return edit;
+  return true;
 }
 
 }  // namespace dapple

@@ -5,11 +5,8 @@
 
 namespace dapple {
 
-// Changing: a slider is being dragged or a number typed. Done: an option has a new value.
-enum class OptionEdit { None, Changing, Done };
-
 // A row for every option of a synthesis, with its range, help and, by the right mouse button, a way
-// back to the default. Options are always in range.
-OptionEdit optionWidgets(TextureOptions& options);
+// back to the default. Options are always in range. True: one has changed.
+bool optionWidgets(TextureOptions& options);
 
 }  // namespace dapple

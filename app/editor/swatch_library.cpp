@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <iterator>
 
 namespace dapple {
 namespace {
+
+constexpr int kMipmaps = 5;  // 384 pixels to 12
 
 // The mean of the pixels under each of the small one's, red, green, blue.
 Image shrunk(const Image& image, int side) {
@@ -40,26 +43,31 @@ GlTexture textureOf(const Image& image) {
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE,
                   bytes.data());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  // Shown at its own size and much smaller.
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, kMipmaps);
+  glGenerateMipmap(GL_TEXTURE_2D);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glBindTexture(GL_TEXTURE_2D, 0);
   return texture;
 }
 
 }  // namespace
 
-void SwatchLibrary::read(std::vector<std::filesystem::path> files) {
-  reading_.push_back(std::async(std::launch::async, [files = std::move(files), read = read_] {
+void SwatchLibrary::read(std::vector<std::filesystem::path> files, bool first) {
+  auto work = [files = std::move(files), read = read_] {
     std::vector<Read> out;
     for (const std::filesystem::path& file : files) {
       try {
-        out.push_back({file, shrunk(read(file), kThumbnail)});
+        const Image image = read(file);
+        out.push_back({file, shrunk(image, kThumbnail), image.width, image.height});
       } catch (const std::exception&) {
         // Not an image: a folder may hold anything.
       }
     }
     return out;
-  }));
+  };
+  reading_.push_back({std::async(std::launch::async, std::move(work)), first});
 }
 
 void SwatchLibrary::addFolder(const std::filesystem::path& folder) {
@@ -68,21 +76,29 @@ void SwatchLibrary::addFolder(const std::filesystem::path& folder) {
   for (const auto& file : std::filesystem::directory_iterator(folder, error))
     if (file.is_regular_file(error)) files.push_back(file.path());
   std::sort(files.begin(), files.end());
-  read(std::move(files));
+  read(std::move(files), false);
 }
 
 void SwatchLibrary::add(const std::filesystem::path& file) {
-  if (!find(file)) read({file});
+  if (!find(file)) read({file}, true);
 }
 
-const std::vector<SwatchLibrary::Entry>& SwatchLibrary::entries() {
+const SwatchLibrary::Entry* SwatchLibrary::wanted(const std::filesystem::path& path) {
+  const Entry* entry = find(path);
+  if (!entry && !loading() && asked_.insert(path).second) read({path}, true);
+  return entry;
+}
+
+void SwatchLibrary::update() {
   for (auto& reading : reading_) {
-    if (reading.wait_for(std::chrono::seconds(0)) != std::future_status::ready) continue;
-    for (Read& file : reading.get())
-      entries_.push_back({file.path, file.image.width, file.image.height, textureOf(file.image)});
+    if (reading.files.wait_for(std::chrono::seconds(0)) != std::future_status::ready) continue;
+    std::vector<Entry> read;
+    for (const Read& file : reading.files.get())
+      read.push_back({file.path, file.width, file.height, textureOf(file.image)});
+    entries_.insert(reading.first ? entries_.begin() : entries_.end(),
+                    std::make_move_iterator(read.begin()), std::make_move_iterator(read.end()));
   }
-  std::erase_if(reading_, [](const auto& reading) { return !reading.valid(); });
-  return entries_;
+  std::erase_if(reading_, [](const Reading& reading) { return !reading.files.valid(); });
 }
 
 const SwatchLibrary::Entry* SwatchLibrary::find(const std::filesystem::path& path) const {

@@ -89,7 +89,11 @@ std::vector<Index> ToolHand::outlined(const ToolSettings& settings, const SceneV
 
 void ToolHand::finish(const ToolSettings& settings, SceneView& view, Engine& engine) {
   if (settings.tool == Tool::Stroke) {
-    if (stroke_.positions.size() >= 2) engine.submit(AddStroke{settings.region, stroke_});
+    const auto& labels = *view.snapshot().document.labels;
+    if (stroke_.positions.size() < 2)
+      click_ = cursor_;
+    else if (stroke_.points.front() < labels.size())
+      engine.submit(AddStroke{labels[stroke_.points.front()], stroke_});
   } else if (settings.tool == Tool::Brush) {
     engine.submit(Select{gathered_, mode_});
   } else {

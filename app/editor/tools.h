@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "app/editor/scene_view.h"
@@ -19,7 +20,6 @@ struct ToolSettings {
   float brushRadius = 40;  // logical pixels
   bool through = false;    // also what is hidden
   WandOptions wand;
-  RegionId region = kUnassigned;  // that strokes are for
 };
 
 // The cursor in the view in one frame, in pixels of the picture.
@@ -33,7 +33,8 @@ struct ToolInput {
 
 class ToolHand {
  public:
-  // Follows the mouse; what is finished goes to the engine as one command.
+  // Follows the mouse; what is finished goes to the engine as one command. A stroke is for the
+  // region where it begins.
   void update(const ToolInput& input, const ToolSettings& settings, SceneView& view,
               Engine& engine);
   // The gesture is given up: nothing has happened.
@@ -41,6 +42,8 @@ class ToolHand {
   // The last corner of a polygon is taken back. False: there is none.
   bool takeBack();
   bool active() const { return active_; }
+  // Where the stroke tool was clicked without being drawn with, since the last call.
+  std::optional<vec2> takeClick() { return std::exchange(click_, std::nullopt); }
 
   // In pixels of the picture: what the hand draws, above everything.
   OverlayLines overlay(const ToolSettings& settings, const SceneView& view) const;
@@ -57,6 +60,7 @@ class ToolHand {
   std::vector<Index> gathered_;  // by the brush, ascending
   Stroke stroke_;
   std::optional<Picked> under_;  // what the cursor is on
+  std::optional<vec2> click_;
   vec2 cursor_{0};
   float uiScale_ = 1;
 };

@@ -83,6 +83,7 @@ struct SetStroke {
   RegionId region;
   std::size_t stroke;
   Stroke value;
+  unsigned gesture = 0;  // as SetRegion's
 };
 struct RemoveStroke {
   RegionId region;

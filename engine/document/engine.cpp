@@ -51,6 +51,7 @@ void bumpVersions(const Snapshot& before, Snapshot& now) {
 unsigned gestureOf(const Command& command) {
   if (const auto* set = std::get_if<SetRegion>(&command)) return set->gesture;
   if (const auto* set = std::get_if<SetSwatch>(&command)) return set->gesture;
+  if (const auto* set = std::get_if<SetStroke>(&command)) return set->gesture;
   return 0;
 }
 

@@ -1,0 +1,196 @@
+// The panels: what they show, and what comes of using them.
+#include "tests/editor_desk.h"
+
+using namespace dapple;
+
+namespace {
+
+void textured(Desk& desk, const std::string& swatch = "swatch.bricks") {
+  desk.openScan();
+  desk.gui.click(swatch);
+  desk.rest();
+}
+
+// The brushed part as a region.
+RegionId bodyRegion(Desk& desk) {
+  desk.brushBody();
+  desk.gui.key(letterKey('G'), kCtrl);
+  desk.rest();
+  desk.gui.key(letterKey('A'), kCtrl | kShift);
+  desk.rest();
+  return desk.document().regions->back().id;
+}
+
+const Region& first(Desk& desk) {
+  return desk.document().regions->front();
+}
+
+}  // namespace
+
+TEST_CASE("a new region is the chosen one, and what is dropped on a part is for that part") {
+  Desk desk;
+  textured(desk);
+  const RegionId body = bodyRegion(desk);
+  desk.gui.click("swatch.pebbles");
+  desk.rest();
+  CHECK(findRegion(desk.document(), body)->reference.path == asset("swatches/pebbles.png"));
+  CHECK(first(desk).reference.path == asset("swatches/bricks.png"));
+  // Beside the brushed band, on the rest.
+  const ImVec2 view = desk.gui.at("view");
+  desk.gui.moveMouse({view.x, view.y + 75});
+  desk.gui.drop({asset("swatches/wood.png")});
+  desk.rest();
+  CHECK(first(desk).reference.path == asset("swatches/wood.png"));
+  desk.gui.moveMouse({view.x, view.y - 10});
+  desk.gui.drop({asset("swatches/scales.png")});
+  desk.rest();
+  CHECK(findRegion(desk.document(), body)->reference.path == asset("swatches/scales.png"));
+  desk.save("regions");
+}
+
+TEST_CASE("a region is renamed where its name stands, and shown alone") {
+  Desk desk;
+  desk.openScan();
+  const RegionId body = bodyRegion(desk);
+  desk.gui.doubleClick(desk.gui.at(fmt::format("region.row.{}", body)));
+  desk.gui.settle();
+  REQUIRE(desk.gui.has("region.name"));
+  desk.gui.type("Belly");
+  desk.gui.key(Key::enter);
+  desk.rest();
+  CHECK(findRegion(desk.document(), body)->name == "Belly");
+  CHECK_FALSE(desk.gui.has("region.name"));
+  desk.gui.key(Key::f2);
+  desk.gui.type("Nothing");
+  desk.gui.key(Key::escape);
+  desk.rest();
+  CHECK(findRegion(desk.document(), body)->name == "Belly");
+  desk.gui.key(Key::slash);
+  desk.rest();
+  CHECK_FALSE(first(desk).visible);
+  CHECK(findRegion(desk.document(), body)->visible);
+  desk.save("isolated");
+  desk.gui.key(Key::slash);
+  desk.rest();
+  CHECK(first(desk).visible);
+  desk.gui.click(fmt::format("region.row.{}", body), 1);
+  desk.gui.settle();
+  desk.save("region_menu");
+  desk.gui.click("region.menu.Remove");
+  desk.rest();
+  CHECK(desk.document().regions->size() == 1);
+}
+
+TEST_CASE("a part of the picture is taken as the swatch, moved, and given back") {
+  Desk desk;
+  textured(desk);
+  const ItemMark* mark = desk.gui.gui().marks().find("swatch.crop");
+  REQUIRE(mark);
+  const ImVec2 min = mark->min, size(mark->max.x - min.x, mark->max.y - min.y);
+  const auto at = [&](float x, float y) { return ImVec2(min.x + x * size.x, min.y + y * size.y); };
+  const Image& whole = *first(desk).image;
+  desk.gui.drag(0, at(0.25f, 0.25f), at(0.75f, 0.5f));
+  desk.rest();
+  REQUIRE(first(desk).reference.crop);
+  const PixelRect crop = *first(desk).reference.crop;
+  const auto w = static_cast<float>(whole.width), h = static_cast<float>(whole.height);
+  CHECK(static_cast<float>(crop.x) == doctest::Approx(w / 4).epsilon(0.05));
+  CHECK(static_cast<float>(crop.width) == doctest::Approx(w / 2).epsilon(0.05));
+  CHECK(static_cast<float>(crop.height) == doctest::Approx(h / 4).epsilon(0.05));
+  CHECK(first(desk).image->width == crop.width);
+  desk.save("crop");
+  desk.gui.drag(0, at(0.5f, 0.375f), at(0.5f, 0.625f));  // inside: moved
+  desk.rest();
+  const PixelRect moved = *first(desk).reference.crop;
+  CHECK(moved.width == crop.width);
+  CHECK(moved.height == crop.height);
+  CHECK(moved.x == crop.x);
+  CHECK(static_cast<float>(moved.y - crop.y) == doctest::Approx(h / 4).epsilon(0.05));
+  desk.gui.doubleClick(at(0.5f, 0.5f));
+  desk.rest();
+  CHECK_FALSE(first(desk).reference.crop);
+  CHECK(first(desk).image->width == whole.width);
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.rest();
+  CHECK(first(desk).reference.crop == moved);
+}
+
+TEST_CASE("live, the scale acts while it is dragged and is one step of the history") {
+  Desk desk(1, kWidth, kHeight, true);
+  textured(desk);
+  REQUIRE(desk.document().results.colour);
+  const Document before = desk.document();
+  const std::size_t steps = desk.editor.snapshot().history->size();
+  const ItemMark* mark = desk.gui.gui().marks().find("swatch.scale");
+  REQUIRE(mark);
+  const float y = 0.5f * (mark->min.y + mark->max.y), middle = 0.5f * (mark->min.x + mark->max.x);
+  desk.gui.moveMouse({middle, y});
+  desk.gui.press(0);
+  desk.gui.moveMouse({middle + 30, y});
+  CHECK(desk.gui.frameUntil([&] {
+    return desk.document().results.colour != before.results.colour ||
+           desk.editor.snapshot().previewColour;
+  }));
+  desk.save("live_scale");
+  desk.gui.moveMouse({middle + 50, y});
+  desk.gui.release(0);
+  desk.rest();
+  CHECK(first(desk).options.scale > 2);
+  CHECK(desk.document().results.sources.front()->options.scale == first(desk).options.scale);
+  CHECK(desk.editor.snapshot().history->size() == steps + 1);
+  desk.save("live");
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.rest();
+  CHECK(sameContent(desk.document(), before));
+}
+
+TEST_CASE("a stroke is drawn, chosen by a click, turned round and removed") {
+  Desk desk(1, kWidth, kHeight, true);
+  textured(desk, "swatch.scales");
+  const ImVec2 view = desk.gui.at("view");
+  desk.gui.key(letterKey('O'));
+  desk.gui.drag(0, {view.x - 100, view.y}, {view.x + 60, view.y - 20});
+  desk.rest();
+  REQUIRE(first(desk).strokes);
+  const Stroke drawn = first(desk).strokes->front();
+  desk.gui.click(ImVec2(view.x - 20, view.y - 10));
+  desk.rest();
+  CHECK(first(desk).strokes->size() == 1);
+  REQUIRE(desk.gui.has("stroke.remove"));
+  desk.save("stroke");
+  desk.gui.click("stroke.reverse");
+  desk.rest();
+  CHECK(first(desk).strokes->front().positions.front() == drawn.positions.back());
+  desk.gui.key(Key::del);
+  desk.rest();
+  CHECK_FALSE(first(desk).strokes);
+  CHECK_FALSE(desk.gui.has("stroke.remove"));
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.rest();
+  CHECK(first(desk).strokes->front() == drawn);
+  desk.gui.click(ImVec2(view.x - 20, view.y + 200));  // beside it
+  CHECK_FALSE(desk.gui.has("stroke.remove"));
+}
+
+TEST_CASE("views whose colours need a key have one") {
+  Desk desk(1, kWidth, kHeight, true);
+  textured(desk);
+  CHECK_FALSE(desk.gui.has("legend"));
+  desk.gui.key(letterKey('D'));
+  desk.rest();
+  CHECK(desk.gui.has("legend"));
+  desk.save("legend_state");
+  desk.gui.key(letterKey('S'));
+  desk.rest();
+  CHECK(desk.gui.has("legend"));
+  desk.gui.key(letterKey('K'), kCtrl);
+  desk.gui.type("Show distortion");
+  desk.gui.key(Key::enter);
+  desk.rest();
+  CHECK(desk.gui.has("legend"));
+  desk.save("legend_distortion");
+  desk.gui.key(letterKey('C'));
+  desk.rest();
+  CHECK_FALSE(desk.gui.has("legend"));
+}
