@@ -349,7 +349,7 @@ TEST_CASE("an output that cannot be written is refused, and leaves nothing") {
   checkRefused(folder, textureArguments(scan, out, {"--report", nowhere}), nowhere, "Create it");
   checkRefused(folder, {"render", scan, "-o", nowhere + ".png"}, nowhere, "Create it");
   checkRefused(folder, textureArguments(scan, folder / "."), folder / ".", "Add a file name");
-  checkRefused(folder, textureArguments(scan, folder / "out.obj"), "out.obj", ".ply");
+  checkRefused(folder, textureArguments(scan, folder / "out.stl"), "out.stl", ".ply");
   // Known before the work is done: nothing has been saved yet.
   checkRefused(folder, textureArguments(scan, out, {"--picture", folder / "p.foo"}), "p.foo",
                ".png");

@@ -194,3 +194,43 @@ TEST_CASE("views whose colours need a key have one") {
   desk.rest();
   CHECK_FALSE(desk.gui.has("legend"));
 }
+
+TEST_CASE("an export tells what its format cannot hold before it is written") {
+  Desk desk(1, kWidth, kHeight, true);
+  textured(desk);
+  desk.gui.key(letterKey('E'), kCtrl);
+  desk.gui.settle();
+  desk.save("export");
+  desk.gui.click("export.format.obj");
+  desk.save("export_obj");
+  desk.gui.click("export.accept");
+  desk.gui.settle();
+  REQUIRE(desk.gui.has("files.field"));
+  const auto file = std::filesystem::temp_directory_path() / "dapple_editor_export.obj";
+  std::filesystem::remove(file);
+  desk.gui.fill("files.field", (file.parent_path() / file.stem()).string());
+  desk.gui.click("files.accept");
+  desk.rest();
+  CHECK(desk.editor.engine().status().errors == 0);
+  CHECK(std::filesystem::file_size(file) > 29945 * 20);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("a scan is segmented into as many parts as asked for") {
+  Desk desk;
+  desk.openScan();
+  desk.gui.click("region.segment");
+  desk.gui.settle();
+  REQUIRE(desk.gui.has("segment.parts"));
+  const ImVec2 at = desk.gui.at("segment.parts");
+  desk.gui.click(ImVec2(at.x - 150, at.y));
+  desk.save("segment");
+  desk.gui.key(Key::enter);
+  desk.rest();
+  const std::size_t parts = desk.document().regions->size() - 1;
+  CHECK(parts > 2);
+  CHECK(parts < 8);
+  desk.gui.key(letterKey('S'));
+  desk.rest();
+  desk.save("segmented");
+}

@@ -9,6 +9,7 @@
 #include "app/cli/report.h"
 #include "app/render/camera.h"
 #include "base/errors.h"
+#include "document/export_format.h"
 #include "document/options_table.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
@@ -106,7 +107,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   validate(options);
   const PictureOptions picture = pictureOptions(a);
   for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
-  checkPlyName(a.output);
+  exportFormat(a.output);
   if (!a.picture.empty()) checkImageName(a.picture);
   const Swatch swatch =
       makeSwatch(readImage(a.swatch), options.tileable, stackLevels(options), a.swatch);
@@ -123,7 +124,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                          .frames = options.randomDirections ? nullptr : &textured.frames},
                         monitor);
   const auto saving = std::chrono::steady_clock::now();
-  savePly(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
+  exportTable(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);

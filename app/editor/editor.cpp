@@ -9,6 +9,7 @@
 #include "app/gui/gui_renderer.h"
 #include "app/gui/scopes.h"
 #include "app/gui/theme.h"
+#include "io/file_names.h"
 #include "io/image_io.h"
 
 namespace dapple {
@@ -21,9 +22,7 @@ constexpr float kStrokeReach = 8;                 // logical pixels
 constexpr char kProject[] = ".dapple";
 
 bool isImage(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lowerExtension(path);
   for (const char* known :
        {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp", ".webp", ".tga", ".hdr", ".gif"})
     if (extension == known) return true;
@@ -307,7 +306,8 @@ bool Editor::frame(int width, int height) {
                       .right = theme::px(theme::kPanelWidth),
                       .uiScale = GuiContext::current().uiScale()};
   takeNews(layout);
-  actions_.dispatch(browser_.isOpen() || search_.isOpen() || sheet_.isOpen());
+  actions_.dispatch(browser_.isOpen() || search_.isOpen() || sheet_.isOpen() || export_.isOpen() ||
+                    segment_.isOpen());
 
   if (const scope::MainMenuBar bar; bar) actionMenus(actions_);
   viewPanel(layout);
@@ -320,6 +320,8 @@ bool Editor::frame(int width, int height) {
   notices_.drawToasts(layout.width - layout.right, layout.height - layout.status);
   search_.draw(actions_);
   sheet_.draw(actions_);
+  if (const auto command = segment_.draw()) engine_.submit(*command);
+  if (export_.draw(snapshot_->document)) ask(Asking::Export);
   if (const auto path = browser_.draw()) answered(*path);
   return !settled_ || library_.loading() || notices_.passing() || browser_.busy();
 }

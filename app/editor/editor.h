@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/editor/export_dialog.h"
 #include "app/editor/region_panel.h"
 #include "app/editor/scene_view.h"
 #include "app/editor/strokes_view.h"
@@ -117,6 +118,8 @@ class Editor {
   CommandSearch search_;
   ShortcutSheet sheet_;
   FileBrowser browser_;
+  ExportDialog export_;
+  SegmentDialog segment_;
   Asking asking_ = Asking::Nothing;
   const NavigationPreset* navigation_;
   RegionId chosen_ = kUnassigned;

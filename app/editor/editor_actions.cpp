@@ -34,7 +34,9 @@ const std::vector<FileKind> kSwatches{
     {"Images", {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp", ".webp", ".tga"}},
     {"All files", {}}};
 const std::vector<FileKind> kProjects{{"Projects", {".dapple"}}};
-const std::vector<FileKind> kExports{{"PLY", {".ply"}}};
+// By ScanFormat.
+const std::vector<FileKind> kExports[] = {
+    {{"PLY", {".ply"}}}, {{"OBJ", {".obj"}}}, {{"XYZ", {".xyz"}}}};
 
 }  // namespace
 
@@ -63,7 +65,7 @@ void Editor::ask(Asking what) {
                   .title = "Export the textured scan",
                   .accept = "Export",
                   .name = "textured",
-                  .kinds = kExports};
+                  .kinds = kExports[static_cast<std::size_t>(export_.format())]};
   }
   browser_.open(std::move(question));
 }
@@ -73,7 +75,9 @@ void Editor::answered(const std::filesystem::path& path) {
     project_ = path.string();
     engine_.submit(SaveProject{project_});
   } else if (asking_ == Asking::Export) {
-    engine_.submit(ExportScan{path.string(), {.sourceMap = true}});
+    ExportScan command = export_.command();
+    command.path = path.string();
+    engine_.submit(command);
   } else {
     open(path);
   }
@@ -123,10 +127,10 @@ void Editor::addFileActions() {
                 .label = "Export scan...",
                 .menu = "File",
                 .shortcuts = shortcuts("Ctrl+E"),
-                .help = "As PLY with its colours and source map; the file's other columns stay.",
+                .help = "As PLY, OBJ or XYZ; what the format cannot hold is told before.",
                 .icon = Icon::exportFile,
                 .enabled = [this] { return snapshot_->document.results.colour != nullptr; },
-                .run = [this] { ask(Asking::Export); }});
+                .run = [this] { export_.open(); }});
   actions_.add({.id = "file.quit",
                 .label = "Quit",
                 .menu = "File",
@@ -189,12 +193,12 @@ void Editor::addRegionActions() {
                 .enabled = [this] { return hasScan(); },
                 .run = [this] { engine_.submit(SelectRegion{chosen_}); }});
   actions_.add({.id = "region.segment",
-                .label = "Segment automatically",
+                .label = "Segment automatically...",
                 .menu = "Region",
-                .help = "Four parts that end at creases and where the colour changes.",
+                .help = "Parts that end at creases and where the colour changes.",
                 .icon = Icon::split,
                 .enabled = [this] { return hasScan(); },
-                .run = [this] { engine_.submit(SegmentAutomatically{}); }});
+                .run = [this] { segment_.open(); }});
   addVisibilityActions();
   actions_.add({.id = "region.rename",
                 .label = "Rename region...",

@@ -5,6 +5,7 @@
 
 #include "base/errors.h"
 #include "document/edits.h"
+#include "document/export_format.h"
 #include "document/project_io.h"
 #include "document/region_synthesis.h"
 
@@ -109,7 +110,7 @@ Change segmented(const Document& document, const SegmentAutomatically& command, 
 
 void exportScan(const Document& document, const ExportScan& command, Monitor& monitor) {
   needScan(document);
-  checkPlyName(command.path);
+  exportFormat(command.path);
   const SourceMap map = wholeMap(document);
   RecordTable table =
       texturedTable(document.scan->prepared.scan, map, command.options, *document.results.source);
@@ -117,7 +118,7 @@ void exportScan(const Document& document, const ExportScan& command, Monitor& mo
     table.comments.push_back(
         fmt::format("dapple swatch {} {}", s, document.results.sources[s]->reference.path));
   monitor.begin(Stage::Save, document.size());
-  savePly(command.path, table, command.ascii, monitor);
+  exportTable(command.path, table, command.ascii, monitor);
 }
 
 std::string nameOf(const Document& document, RegionId id) {

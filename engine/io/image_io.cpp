@@ -1,4 +1,5 @@
 #include "io/image_io.h"
+#include "io/file_names.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -29,10 +30,10 @@ struct Opened {
   std::uint64_t fileBytes = 0;
 };
 
-std::string extensionOf(const std::filesystem::path& path) {
-  std::string text = path.extension().string();
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text.empty() ? text : text.substr(1);
+// The extension without its dot.
+std::string kindOf(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  return extension.empty() ? extension : extension.substr(1);
 }
 
 std::string firstLine(const std::string& text) {
@@ -118,7 +119,7 @@ OIIO::TypeDesc pixelType(const std::string& extension, bool sixteenBit) {
 }
 
 std::unique_ptr<OIIO::ImageOutput> writerFor(const std::filesystem::path& path) {
-  const std::string extension = extensionOf(path);
+  const std::string extension = kindOf(path);
   auto writer = extension.empty() ? nullptr : OIIO::ImageOutput::create(extension);
   if (writer) return writer;
   OIIO::geterror();
@@ -157,11 +158,11 @@ void writeImage(const std::filesystem::path& path, const Image& image, bool sixt
                    static_cast<std::size_t>(image.channels));
   const auto output = writerFor(path);
   OIIO::ImageSpec spec(image.width, image.height, image.channels,
-                       pixelType(extensionOf(path), sixteenBit));
+                       pixelType(kindOf(path), sixteenBit));
   if (image.channels == 2 || image.channels == 4) spec.alpha_channel = image.channels - 1;
   spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("CompressionQuality", 95);
-  OutputFile file(path, "." + extensionOf(path));
+  OutputFile file(path, "." + kindOf(path));
   const auto fail = [&] {
     throw IoError(path.string(), "", "cannot be written: " + firstLine(output->geterror()),
                   "Is the disk full? Save to another folder or in another format.");
@@ -173,7 +174,7 @@ void writeImage(const std::filesystem::path& path, const Image& image, bool sixt
 }
 
 bool isAnimation(const std::filesystem::path& path) {
-  return extensionOf(path) == "gif";
+  return kindOf(path) == "gif";
 }
 
 struct AnimationWriter::File {
@@ -192,7 +193,7 @@ AnimationWriter::AnimationWriter(const std::filesystem::path& path, int pictures
     : file_(new File{.path = path.string(),
                      .pictures = pictures,
                      .perSecond = perSecond,
-                     .bytes = OutputFile(path, "." + extensionOf(path)),
+                     .bytes = OutputFile(path, "." + kindOf(path)),
                      .output = writerFor(path)}) {
   DAPPLE_CHECK(isAnimation(path), ==, true);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/input_file.h"
+#include "io/output_file.h"
 #include "io/record_table.h"
 
 namespace dapple {
@@ -10,5 +11,9 @@ namespace dapple {
 // them), and "face" with vertex_indices when there are faces. Everything else in the file is left
 // out. Throws IoError, Cancelled.
 RecordTable readObj(InputFile& file, Monitor& monitor);
+
+// The vertices' positions and, where there are, colours (after the position, as most programs read
+// them) and normals; the faces. The rest of the table is left out. Throws IoError, Cancelled.
+void writeObj(OutputFile& file, const RecordTable& table, Monitor& monitor);
 
 }  // namespace dapple

@@ -1,4 +1,5 @@
 #include "io/point_io.h"
+#include "io/file_names.h"
 
 #include <algorithm>
 #include <cctype>
@@ -18,19 +19,13 @@ namespace {
 constexpr std::size_t kChunk = 1 << 14;
 constexpr std::size_t kSniffed = 4096;
 
-std::string extensionOf(const std::filesystem::path& path) {
-  std::string text = path.extension().string();
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool isAnyOf(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 // By content first: a wrong extension is common, a wrong magic is not.
 std::string findFormat(const std::filesystem::path& path, InputFile& file) {
-  const std::string extension = extensionOf(path);
+  const std::string extension = lowerExtension(path);
   const std::string_view start = file.peek(kSniffed);
   if (extension == ".ply" || looksLikePly(start)) return "ply";
   if (extension == ".obj") return "obj";
@@ -247,16 +242,6 @@ Scan loadScan(const std::filesystem::path& path, const LoadOptions& options, Mon
   scan.points.colours = gather(readColours(scan.table, monitor), scan.record, monitor);
   monitor.checkpoint();
   return scan;
-}
-
-void checkPlyName(const std::filesystem::path& path) {
-  const std::string extension = extensionOf(path);
-  std::error_code ignored;
-  if (extension.empty() || extension == ".ply" ||
-      std::filesystem::is_other(std::filesystem::status(path, ignored)))
-    return;
-  throw IoError(path.string(), "", fmt::format("a PLY is not named \"{}\"", extension),
-                "Only PLY is written: end the name in .ply.");
 }
 
 void savePly(const std::filesystem::path& path, const RecordTable& table, bool ascii,

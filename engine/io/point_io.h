@@ -39,9 +39,6 @@ struct Scan {
 // Throws IoError, InvalidInput (no finite point; samples of something that is no mesh), Cancelled.
 Scan loadScan(const std::filesystem::path& path, const LoadOptions& options, Monitor& monitor);
 
-// Throws IoError when a file of this name would not be taken for a PLY. A device may have any name.
-void checkPlyName(const std::filesystem::path& path);
-
 // Writes the table as PLY: binary little endian, or ascii with shortest round-trip numbers. Goes to
 // a temporary file beside `path`, synced and renamed over it at the end: whatever happens, there is
 // the old file or the new one. Throws IoError, Cancelled.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/input_file.h"
+#include "io/output_file.h"
 #include "io/record_table.h"
 
 namespace dapple {
@@ -15,5 +16,9 @@ bool looksLikeXyz(std::string_view bytes);
 // that begin with # or // are comments; a heading and the count of a .pts file are skipped. Throws
 // IoError, Cancelled.
 RecordTable readXyz(InputFile& file, Monitor& monitor);
+
+// The vertices' positions and, where there are, normals and colours, below a comment that names the
+// columns. The rest of the table is left out. Throws IoError, Cancelled.
+void writeXyz(OutputFile& file, const RecordTable& table, Monitor& monitor);
 
 }  // namespace dapple

@@ -1,0 +1,76 @@
+#include "document/export_format.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/errors.h"
+#include "io/file_names.h"
+#include "io/obj.h"
+#include "io/output_file.h"
+#include "io/xyz.h"
+
+namespace dapple {
+namespace {
+
+constexpr std::array<std::string_view, 9> kTextColumns{"x",  "y",   "z",     "nx",  "ny",
+                                                       "nz", "red", "green", "blue"};
+
+// Names of the scan's own columns that text cannot take, with commas.
+std::string otherColumns(const Scan& scan) {
+  std::string names;
+  for (const Property& property : scan.table.find("vertex")->properties)
+    if (std::find(kTextColumns.begin(), kTextColumns.end(), property.name) == kTextColumns.end())
+      names += (names.empty() ? "" : ", ") + property.name;
+  return names;
+}
+
+}  // namespace
+
+ScanFormat exportFormat(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  std::error_code ignored;
+  if (extension.empty() || extension == ".ply" ||
+      std::filesystem::is_other(std::filesystem::status(path, ignored)))
+    return ScanFormat::Ply;
+  if (extension == ".obj") return ScanFormat::Obj;
+  if (extension == ".xyz" || extension == ".txt") return ScanFormat::Xyz;
+  throw IoError(path.string(), "", fmt::format("a scan cannot be written as \"{}\"", extension),
+                "End the name in .ply, .obj or .xyz.");
+}
+
+void exportTable(const std::filesystem::path& path, const RecordTable& table, bool ascii,
+                 Monitor& monitor) {
+  const ScanFormat format = exportFormat(path);
+  if (format == ScanFormat::Ply) return savePly(path, table, ascii, monitor);
+  const Element* vertices = table.find("vertex");
+  monitor.begin(Stage::Save, vertices ? vertices->count : 0);
+  OutputFile file(path);
+  if (format == ScanFormat::Obj)
+    writeObj(file, table, monitor);
+  else
+    writeXyz(file, table, monitor);
+  monitor.checkpoint();
+  file.commit();
+}
+
+std::vector<std::string> exportLosses(ScanFormat format, const Scan& scan,
+                                      const ExportOptions& options) {
+  std::vector<std::string> lines;
+  if (!scan.points.colours.empty() && (!options.keepColours || format != ScanFormat::Ply))
+    lines.push_back("The scan's own colours: the new ones take their place.");
+  if (format == ScanFormat::Ply) {
+    if (!options.sourceMap) lines.push_back("Where in the swatch each point's colour comes from.");
+    return lines;
+  }
+  lines.push_back("Where in the swatch each point's colour comes from.");
+  if (const std::string names = otherColumns(scan); !names.empty())
+    lines.push_back("The scan's other columns: " + names + ".");
+  const Element* faces = scan.table.find("face");
+  if (format == ScanFormat::Xyz && faces && faces->count > 0)
+    lines.push_back(fmt::format("The mesh: {} faces.", faces->count));
+  if (format == ScanFormat::Obj)
+    lines.push_back("Programs that know OBJ by its standard alone see no colours.");
+  return lines;
+}
+
+}  // namespace dapple

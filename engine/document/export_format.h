@@ -1,0 +1,26 @@
+// The formats that a textured scan is exported to, and what each of them cannot hold.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "document/textured_scan.h"
+
+namespace dapple {
+
+enum class ScanFormat { Ply, Obj, Xyz };
+
+// By the extension: .ply (or none, or a device), .obj, .xyz and .txt. Throws IoError for others.
+ScanFormat exportFormat(const std::filesystem::path& path);
+
+// Writes the table in the format that the name asks for; `ascii` is for PLY. As savePly(): whole or
+// not at all. Throws IoError, Cancelled.
+void exportTable(const std::filesystem::path& path, const RecordTable& table, bool ascii,
+                 Monitor& monitor);
+
+// A line for everything that was opened or made and will not be in the file.
+std::vector<std::string> exportLosses(ScanFormat format, const Scan& scan,
+                                      const ExportOptions& options);
+
+}  // namespace dapple
