@@ -2,7 +2,7 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;  // of any length; (0, 0, 0): faces the eye
-layout(location = 2) in vec3 colour;
+layout(location = 2) in vec4 colour;  // alpha 0: plain, even with a texel
 layout(location = 3) in float radius;
 #ifdef TEXTURED
 layout(location = 4) in vec2 texel;    // swatch pixels; NaN: shows its colour
@@ -34,11 +34,11 @@ void main() {
   disc.radius = seen ? radius * enlarge : -1.0;
   disc.normal = n;
   vec3 light = lightOn(n, toEye);
-  disc.tint = colour * light;
+  disc.tint = colour.rgb * light;
 #ifdef TEXTURED
   disc.swatchS = mat3(localToView) * swatchS;
   disc.swatchT = mat3(localToView) * swatchT;
-  bool shown = showsSwatch(texel, discSteps(n, ray, orthographic ? 1.0 : -c.z), disc.swatchS,
+  bool shown = colour.a > 0.5 && showsSwatch(texel, discSteps(n, ray, orthographic ? 1.0 : -c.z), disc.swatchS,
                            disc.swatchT);
   disc.texel = vec3(shown ? texel : vec2(0.0), shown ? 1.0 : 0.0);
   if (shown) disc.tint = light;

@@ -4,7 +4,7 @@
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;  // of any length; (0, 0, 0): faces the eye
-layout(location = 2) in vec3 colour;
+layout(location = 2) in vec4 colour;  // alpha 0: plain, even with a texel
 layout(location = 3) in float radius;
 #ifdef TEXTURED
 layout(location = 4) in vec2 texel;    // swatch pixels; NaN: shows its colour
@@ -62,12 +62,12 @@ void main() {
   depth += depthOffset(r, facing, away / focal.y) * perDepth;
 #else
   vec3 light = lightOn(n, toEye);
-  tint = colour * light;
+  tint = colour.rgb * light;
 #ifdef TEXTURED
   Steps steps = discSteps(n, ray, away);
   vec3 sAxis = mat3(localToView) * swatchS, tAxis = mat3(localToView) * swatchT;
   texelSteps = vec4(texelStep(steps.x, sAxis, tAxis), texelStep(steps.y, sAxis, tAxis));
-  bool shown = showsSwatch(texel, steps, sAxis, tAxis);
+  bool shown = colour.a > 0.5 && showsSwatch(texel, steps, sAxis, tAxis);
   texelAt = vec3(shown ? texel : vec2(0.0), shown ? 1.0 : 0.0);
   if (shown) tint = light;
 #endif

@@ -636,6 +636,60 @@ TEST_CASE_TEMPLATE("a splat without a texel, and one seen from afar, shows its c
   CHECK(plane.draw<Drawn>(60, true).pixels == plane.draw<Drawn>(60, false).pixels);
 }
 
+// Drawers of one kind after update(), recolour() and retexture().
+struct Redrawn {
+  const TexturedPlane& plane;
+  Camera camera{.eye = {0, 0, 150}, .target = {0, 0, 0}, .nearPlane = 1, .farPlane = 1e4f};
+  SplatOptions options{.background = kBackground};
+
+  template <class Drawer>
+  std::vector<float> pixels(Drawer& drawer) const {
+    if constexpr (std::is_same_v<Drawer, CpuSplatter>) {
+      Raster raster;
+      drawer.draw(camera, 300, 300, options, raster);
+      return toImage(raster).pixels;
+    } else {
+      return drawer.draw(camera, 300, 300, options).pixels;
+    }
+  }
+
+  template <class Drawer>
+  void check(Drawer& drawer) const {
+    const SplatTexture texture{plane.swatch, plane.texels, plane.frames, 1};
+    Scene scene = plane.scene;
+    for (std::size_t i = scene.positions.size(); i-- > 0;)
+      scene.order.push_back(static_cast<Index>(i));
+    drawer.update(scene.columns(nullptr));
+    const auto without = pixels(drawer);
+    drawer.update(scene.columns(&texture));
+    const auto with = pixels(drawer);
+    CHECK(with != without);
+    drawer.retexture(nullptr);
+    CHECK(pixels(drawer) == without);
+    drawer.retexture(&texture);
+    CHECK(pixels(drawer) == with);
+    PlainPoints plain(scene.positions.size(), 1);
+    drawer.recolour(scene.colours, plain);
+    CHECK(pixels(drawer) == without);
+    for (std::size_t i = 0; i < plain.size() / 2; ++i) plain[i] = 0;  // the upper half
+    drawer.recolour(scene.colours, plain);
+    const auto half = pixels(drawer);
+    const auto upper = static_cast<std::ptrdiff_t>(4 * 300 * 140);
+    CHECK(std::equal(half.begin(), half.begin() + upper, with.begin()));
+    CHECK(std::equal(half.end() - upper, half.end(), without.end() - upper));
+    drawer.recolour(scene.colours);
+    CHECK(pixels(drawer) == with);
+  }
+};
+
+TEST_CASE("the swatch inside the splats comes and goes, for all points or for some") {
+  const TexturedPlane plane(96, 3);
+  Workers workers(2);
+  CpuSplatter splatter(workers);
+  Redrawn{plane}.check(splatter);
+  Redrawn{plane}.check(studioOfAll().renderer);
+}
+
 TEST_CASE("a stray point is drawn like those around it, a sparse region without holes") {
   std::vector<vec3> points;
   for (int y = 0; y < 40; ++y)

@@ -49,25 +49,6 @@ bool usesOpenGl(const std::string& renderer) {
       fmt::format("--renderer: '{}' is not allowed; choose one of auto|gl|cpu", renderer));
 }
 
-// Where the map says more than the colour: the texel of each point whose colour is the swatch's
-// there, filtered or not. Blends, and points of another swatch, show their colours.
-std::vector<vec2> plainTexels(const PictureInput& input) {
-  constexpr float kSame = 2.5f / 255;  // files hold 8 bits
-  const vec2 none(std::numeric_limits<float>::quiet_NaN());
-  const std::vector<float> spacing = localSpacing(input.neighborhoods);
-  std::vector<vec2> texels(input.map->texel);
-  for (std::size_t i = 0; i < texels.size(); ++i) {
-    const float blur = std::log2(std::max(1.f, spacing[i] / input.map->scale));
-    const auto same = [&](float level) {
-      const vec3 d =
-          glm::abs(sampleSwatch(*input.swatch, texels[i], level) - input.columns.colours[i]);
-      return std::max({d.r, d.g, d.b}) < kSame;
-    };
-    if (!same(0) && !same(blur)) texels[i] = none;
-  }
-  return texels;
-}
-
 void checkTexels(const PictureOptions& options) {
   const std::string& texels = options.texels;
   if (texels != "auto" && texels != "on" && texels != "off")
@@ -205,7 +186,9 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
   std::vector<TangentFrame> frames;
   std::optional<SplatTexture> texture;
   if (usesTexels(input, options)) {
-    texels = plainTexels(input);
+    texels =
+        plainTexels({input.map->texel, input.columns.colours, localSpacing(input.neighborhoods)},
+                    *input.swatch, input.map->scale);
     frames = input.map->frame;
     if (options.zUp)
       for (TangentFrame& frame : frames) frame.s = yUp(frame.s), frame.t = yUp(frame.t);

@@ -29,15 +29,6 @@ bool isImage(const std::filesystem::path& path) {
   return false;
 }
 
-// The swatch's up on the surface, none where nothing was synthesized.
-std::vector<vec3> upOf(const Document& document) {
-  const Results& results = document.results;
-  std::vector<vec3> up(document.size(), vec3(0));
-  for (std::size_t i = 0; i < up.size(); ++i)
-    if ((*results.source)[i] != kNoSource) up[i] = (*results.frame)[i].t;
-  return up;
-}
-
 }  // namespace
 
 Editor::Editor(EditorOptions options)
@@ -206,51 +197,6 @@ void Editor::toolInput(const Layout& layout, bool hovered) {
   if (const auto click = hand_.takeClick()) pickStroke(*click, kStrokeReach * layout.uiScale);
 }
 
-const OverlayLines& Editor::restingLines(const OverlayView& over, const Camera& camera) {
-  const Document& document = snapshot_->document;
-  const Resting wanted{.camera = camera,
-                       .width = view_.picture().width,
-                       .height = view_.picture().height,
-                       .outlines = settings_.outlines && !view_.regions().empty(),
-                       .directions = settings_.directions && document.results.frame,
-                       .labels = document.labels,
-                       .regions = document.regions,
-                       .frames = document.results.frame};
-  if (wanted == resting_) return restingLines_;
-  resting_ = wanted;
-  restingLines_.clear();
-  if (wanted.outlines) restingLines_ = outlineLines(over, view_.regions());
-  if (wanted.directions) {
-    const OverlayLines arrows = directionLines(over, document.points().positions, upOf(document));
-    restingLines_.insert(restingLines_.end(), arrows.begin(), arrows.end());
-  }
-  return restingLines_;
-}
-
-void Editor::drawOverlays(const Layout& layout) {
-  if (view_.empty() || view_.picture().width == 0) return;
-  const Camera camera = view_.pictureCamera();
-  const OverlayView over(camera, view_.picture(), view_.splatRadius(), layout.uiScale);
-  OverlayLines lines;
-  const auto add = [&](const OverlayLines& more) {
-    lines.insert(lines.end(), more.begin(), more.end());
-  };
-  if (view_.complete() || camera == resting_.camera) add(restingLines(over, camera));
-  if (settings_.strokes) add(strokesOverlay(over, snapshot_->document, stroke_));
-  add(hand_.overlay(tools_, view_));
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImVec2 min = layout.viewMin();
-  std::vector<ImVec2> points;
-  for (const OverlayLine& line : lines) {
-    points.clear();
-    for (const vec2& p : line.points) points.push_back({min.x + p.x, min.y + p.y});
-    const glm::vec4& c = line.colour;
-    list->AddPolyline(points.data(), static_cast<int>(points.size()),
-                      ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, c.a}),
-                      line.closed ? ImDrawFlags_Closed : ImDrawFlags_None, line.width);
-  }
-}
-
 void Editor::viewPanel(const Layout& layout) {
   const ImVec2 min = layout.viewMin(), size = layout.viewSize();
   ImGui::SetNextWindowPos(min);
@@ -271,7 +217,7 @@ void Editor::viewPanel(const Layout& layout) {
     ImGui::GetWindowDrawList()->AddImage(guiTexture(view_.texture()), min,
                                          {min.x + size.x, min.y + size.y}, {0, top}, {1, 1 - top});
   }
-  drawOverlays(layout);
+  overlays_.draw(view_, settings_, {stroke_, hand_.overlay(tools_, view_)}, min);
   drawViewLegend(view_, settings_.show,
                  {min.x + theme::px(theme::kGap), min.y + size.y - theme::px(theme::kGap)});
 }

@@ -12,6 +12,7 @@
 #include "app/editor/strokes_view.h"
 #include "app/editor/swatch_panel.h"
 #include "app/editor/tools.h"
+#include "app/editor/view_overlays.h"
 #include "app/gui/action_views.h"
 #include "app/gui/file_browser.h"
 #include "app/gui/navigation.h"
@@ -82,8 +83,6 @@ class Editor {
   void navigate(const Layout& layout, bool hovered);
   void zoomWheel(const Layout& layout);
   void toolInput(const Layout& layout, bool hovered);
-  const OverlayLines& restingLines(const OverlayView& over, const Camera& camera);
-  void drawOverlays(const Layout& layout);
 
   void openImage(const std::filesystem::path& path);
   void openSample();
@@ -132,16 +131,7 @@ class Editor {
   std::string project_;                 // path, once saved or opened
   std::size_t errors_ = 0, notes_ = 0;  // of the engine's, that the user has been told
   Notices notices_;
-  // Outlines and directions, which take as long as a picture: made when the camera rests.
-  struct Resting {
-    Camera camera;
-    int width = 0, height = 0;
-    bool outlines = false, directions = false;
-    std::shared_ptr<const void> labels, regions, frames;
-    bool operator==(const Resting&) const = default;
-  };
-  Resting resting_;
-  OverlayLines restingLines_;
+  ViewOverlays overlays_;
   std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
   bool settled_ = false;  // the picture is complete

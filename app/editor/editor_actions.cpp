@@ -391,6 +391,7 @@ void Editor::addDisplayActions() {
   flag("view.strokes", "Strokes", &ViewSettings::strokes);
   flag("view.outlines", "Region outlines", &ViewSettings::outlines);
   flag("view.directions", "Directions", &ViewSettings::directions);
+  flag("view.texels", "Swatch inside the splats", &ViewSettings::texels);
   const std::pair<const char*, vec3> grounds[] = {{"dark", ViewSettings{}.background},
                                                   {"black", vec3(0)},
                                                   {"grey", vec3(0.5f)},

@@ -1,7 +1,9 @@
 #include "app/editor/scene_view.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <limits>
 
 #include "app/render/splats.h"
 #include "base/errors.h"
@@ -39,6 +41,15 @@ struct SceneView::Scene {
   const PointSet& points() const { return scan->prepared.scan.points; }
 };
 
+// The texels that can be shown: of the one swatch that colours most points.
+struct SceneView::Texels {
+  Column<vec3> colour;  // of the results that they belong to
+  std::shared_ptr<const OpenedScan> scan;
+  std::shared_ptr<const ResultSource> source;  // null: there is nothing to show
+  std::vector<vec2> texel;
+  Column<TangentFrame> frame;
+};
+
 SceneView::SceneView(Workers& workers) : workers_(workers), live_(workers), picker_(workers) {}
 SceneView::~SceneView() = default;
 
@@ -49,7 +60,7 @@ void SceneView::takeScene() {
   const bool first = !scene_;
   scene_ = preparing_.get();
   colours_.assign(scene_->points().size(), kBare);
-  radii_.clear();
+  radii_.clear(), plain_.clear();
   stale_ = true;
   pending_.clear();
   if (first) camera_.setView("front");
@@ -71,6 +82,8 @@ void SceneView::showVisible() {
   const SplatColumns columns{points.positions, points.normals, colours_, radii_};
   live_.update(columns);
   if (openGl_) openGl_->update(columns);
+  texelsShown_ = false;
+  stale_ = true;
   picker_.update(points.positions, points.normals, radii_);
 }
 
@@ -106,6 +119,55 @@ void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSetti
   if (!scene_ || scene_->scan != scan) return;
   if (regions || radii_.empty()) showVisible();
   if (stale_) recolour();
+  followTexels();
+}
+
+std::shared_ptr<SceneView::Texels> SceneView::findTexels(const Document& document) {
+  auto out = std::make_shared<Texels>();
+  const Results& results = document.results;
+  out->colour = results.colour, out->scan = document.scan, out->frame = results.frame;
+  std::vector<std::size_t> counts(results.sources.size());
+  for (const std::uint16_t s : *results.source)
+    if (s != kNoSource) ++counts[s];
+  for (std::size_t s = 0; s < counts.size(); ++s)
+    if (results.sources[s]->partial) counts[s] = 0;
+  const auto most = std::max_element(counts.begin(), counts.end());
+  if (most == counts.end() || *most == 0) return out;
+  const auto main = static_cast<std::uint16_t>(most - counts.begin());
+  out->source = results.sources[main];
+  const std::vector<float> spacing = localSpacing(document.scan->prepared.neighborhoods);
+  out->texel = plainTexels({*results.texel, *results.colour, spacing}, *out->source->swatch,
+                           out->source->unit);
+  for (std::size_t i = 0; i < out->texel.size(); ++i)
+    if ((*results.source)[i] != main) out->texel[i].x = std::numeric_limits<float>::quiet_NaN();
+  return out;
+}
+
+// Finds the texels on another thread when the results are others, and shows them while they are
+// those of the picture.
+void SceneView::followTexels() {
+  if (findingTexels_.valid() &&
+      findingTexels_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    texels_ = findingTexels_.get();
+  const Document& document = snapshot_->document;
+  const Column<vec3>& colour = document.results.colour;
+  const bool wanted =
+      settings_.texels && settings_.show == View::Colour && colour && !snapshot_->previewColour;
+  const bool found = texels_ && texels_->colour == colour;
+  if (wanted && !found && !findingTexels_.valid())
+    findingTexels_ = std::async(std::launch::async, [document] { return findTexels(document); });
+  const bool show = wanted && found && texels_->source && texels_->scan == scene_->scan;
+  if (show != texelsShown_) showTexels(show);
+}
+
+void SceneView::showTexels(bool show) {
+  texelsShown_ = show;
+  std::optional<SplatTexture> texture;
+  if (show)
+    texture.emplace(SplatTexture{*texels_->source->swatch, texels_->texel, *texels_->frame,
+                                 texels_->source->unit});
+  live_.retexture(texture ? &*texture : nullptr);
+  if (openGl_) openGl_->retexture(texture ? &*texture : nullptr);
 }
 
 void SceneView::setPending(const std::vector<Index>& points) {
@@ -142,14 +204,18 @@ void SceneView::recolour() {
       colours_ = shown;
     }
   }
-  const auto tint = [&](std::size_t i) { colours_[i] += kTint * (kSelected - colours_[i]); };
+  plain_.assign(colours_.size(), 0);
+  const auto tint = [&](std::size_t i) {
+    colours_[i] += kTint * (kSelected - colours_[i]);
+    plain_[i] = 1;
+  };
   if (const PointMask* selection = document.selection.get()) {
     for (std::size_t i = 0; i < colours_.size(); ++i)
       if (selection->has(i)) tint(i);
   }
   for (const Index i : pending_) tint(i);
-  live_.recolour(colours_);
-  if (openGl_) openGl_->recolour(colours_);
+  live_.recolour(colours_, plain_);
+  if (openGl_) openGl_->recolour(colours_, plain_);
   regions_.clear();
   if (document.regions->size() > 1)
     regions_.assign(document.labels->begin(), document.labels->end());
@@ -166,6 +232,8 @@ void SceneView::chooseRenderer() {
   if (!scene_) return;
   const PointSet& points = scene_->points();
   openGl_->update({points.positions, points.normals, colours_, radii_});
+  openGl_->recolour(colours_, plain_);
+  if (texelsShown_) showTexels(true);
 }
 
 GLuint SceneView::texture() const {
@@ -225,7 +293,7 @@ bool SceneView::draw(Viewport size, DetailPacer::Milliseconds budget) {
 }
 
 bool SceneView::complete() const {
-  if (!snapshot_ || loading() || stale_) return false;
+  if (!snapshot_ || loading() || stale_ || findingTexels_.valid()) return false;
   return scene_ ? complete_ && scene_->scan == snapshot_->document.scan : !snapshot_->document.scan;
 }
 

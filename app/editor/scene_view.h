@@ -23,6 +23,7 @@ struct ViewSettings {
   View show = View::Colour;
   Shading shading = Shading::Headlight;
   bool outlines = true, strokes = true, directions = false;
+  bool texels = true;  // the swatch inside the splats, where the view magnifies it
   vec3 background{0.071f, 0.075f, 0.082f};
   bool operator==(const ViewSettings&) const = default;
 };
@@ -74,7 +75,11 @@ class SceneView {
 
  private:
   struct Scene;
+  struct Texels;
   void takeScene();
+  void followTexels();
+  void showTexels(bool show);
+  static std::shared_ptr<Texels> findTexels(const Document& document);
   void showVisible();
   void recolour();
   void chooseRenderer();
@@ -86,6 +91,9 @@ class SceneView {
   std::future<std::shared_ptr<Scene>> preparing_;
   std::shared_ptr<const OpenedScan> wanted_;
   std::shared_ptr<Scene> scene_;
+  std::future<std::shared_ptr<Texels>> findingTexels_;
+  std::shared_ptr<Texels> texels_;  // of the results that are shown, or of older ones
+  bool texelsShown_ = false;
   LiveView live_;  // with OpenGL: for picking
   std::optional<OpenGlView> openGl_;
   Picker picker_;
@@ -96,6 +104,7 @@ class SceneView {
   std::uint64_t uploaded_ = 0;  // version of the picture
   std::vector<float> radii_;    // as drawn: 0 in hidden regions
   std::vector<vec3> colours_;
+  PlainPoints plain_;
   std::vector<Index> pending_, regions_;
   std::optional<HeatRange> legend_;
   std::string missing_;

@@ -333,12 +333,19 @@ void CpuSplatter::update(const SplatColumns& columns) {
   setTexture(columns.texture, workers_, s);
 }
 
-void CpuSplatter::recolour(const std::vector<vec3>& colours) {
+void CpuSplatter::retexture(const SplatTexture* texture) {
+  setTexture(texture, workers_, *scene_);
+}
+
+void CpuSplatter::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
   DAPPLE_CHECK(colours.size(), ==, scene_->size);
+  if (!plain.empty()) DAPPLE_CHECK(plain.size(), ==, scene_->size);
   Scene& s = *scene_;
   s.colour.resize(paddedToLanes(colours.size()));
-  forChunks(workers_, s.size,
-            [&](std::size_t i) { s.colour[i] = packedColour(colours[pointOf(s, i)]); });
+  forChunks(workers_, s.size, [&](std::size_t i) {
+    const Index point = pointOf(s, i);
+    s.colour[i] = packedColour(colours[point], !plain.empty() && plain[point] != 0);
+  });
 }
 
 void CpuSplatter::begin(const Camera& camera, int width, int height, const SplatOptions& options,

@@ -36,7 +36,9 @@ class CpuSplatter {
   // As SplatRenderer::update(); the columns are copied.
   void update(const SplatColumns& columns);
   // New colours for the same n points, in the order of the columns.
-  void recolour(const std::vector<vec3>& colours);
+  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  // Another swatch inside the splats of the same n points; null: none.
+  void retexture(const SplatTexture* texture);
 
   // The same bytes at any number of threads and on any processor. Throws InvalidInput as
   // SplatRenderer::draw().

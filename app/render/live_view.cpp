@@ -45,8 +45,13 @@ void LiveView::update(const SplatColumns& columns) {
   started_ = false;
 }
 
-void LiveView::recolour(const std::vector<vec3>& colours) {
-  splatter_.recolour(colours);
+void LiveView::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
+  splatter_.recolour(colours, plain);
+  stale_ = true;
+}
+
+void LiveView::retexture(const SplatTexture* texture) {
+  splatter_.retexture(texture);
   stale_ = true;
 }
 

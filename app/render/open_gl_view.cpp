@@ -11,8 +11,13 @@ void OpenGlView::update(const SplatColumns& columns) {
   started_ = false;
 }
 
-void OpenGlView::recolour(const std::vector<vec3>& colours) {
-  renderer_.recolour(colours);
+void OpenGlView::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
+  renderer_.recolour(colours, plain);
+  stale_ = true;
+}
+
+void OpenGlView::retexture(const SplatTexture* texture) {
+  renderer_.retexture(texture);
   stale_ = true;
 }
 

@@ -14,7 +14,8 @@ class OpenGlView {
  public:
   // As LiveView's.
   void update(const SplatColumns& columns);
-  void recolour(const std::vector<vec3>& colours);
+  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  void retexture(const SplatTexture* texture);
 
   // The same promise as LiveView::frame(), but that the complete picture is drawn at once: in
   // software it is late. Throws InvalidInput as SplatRenderer::draw().

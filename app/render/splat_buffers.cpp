@@ -63,9 +63,10 @@ void SplatBuffers::setNormals(const std::vector<vec3>& normals) {
   glEnableVertexAttribArray(kNormal);
 }
 
-void SplatBuffers::setColours(const std::vector<vec3>& colours) {
+void SplatBuffers::setColours(const std::vector<vec3>& colours, const PlainPoints& plain) {
   std::vector<std::uint32_t> packed(colours.size());
-  std::transform(colours.begin(), colours.end(), packed.begin(), packedColour);
+  for (std::size_t i = 0; i < packed.size(); ++i)
+    packed[i] = packedColour(colours[i], !plain.empty() && plain[i] != 0);
   upload(colours_, packed);
   glVertexAttribPointer(kColour, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
   glEnableVertexAttribArray(kColour);

@@ -12,7 +12,8 @@ class SplatBuffers {
  public:
   void setPositions(const std::vector<vec3>& positions);
   void setNormals(const std::vector<vec3>& normals);  // 10 bits a coordinate
-  void setColours(const std::vector<vec3>& colours);  // 8 bits a channel
+  void setColours(const std::vector<vec3>& colours,
+                  const PlainPoints& plain = {});  // 8 bits a channel
   void setRadii(const std::vector<float>& radii);
   void setTexture(const SplatTexture* texture);
 

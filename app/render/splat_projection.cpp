@@ -201,8 +201,10 @@ struct DiscSteps {
   lanes(out.xPerX) = xx, lanes(out.xPerY) = xy, lanes(out.yPerX) = yx, lanes(out.yPerY) = yy;
   const float longest = scene.longestStep * scene.longestStep;
   // NaN compares false.
-  lanes(out.textured) =
-      (texelX == texelX) & (xx * xx + yx * yx <= longest) & (xy * xy + yy * yy <= longest);
+  Int8 mayShow;
+  for (std::size_t l = 0; l < kLanes; ++l) mayShow[l] = scene.colour[first + l] >> 24 != 0 ? -1 : 0;
+  lanes(out.textured) = mayShow & (texelX == texelX) & (xx * xx + yx * yx <= longest) &
+                        (xy * xy + yy * yy <= longest);
 }
 
 struct Light {

@@ -353,25 +353,33 @@ std::vector<T> inOrder(const std::vector<T>& column, const std::vector<Index>& o
 }
 
 // Copies of columns in the order in which they are drawn.
+struct OrderedTexture {
+  std::vector<vec2> texel;
+  std::vector<TangentFrame> frame;
+  SplatTexture texture;
+
+  OrderedTexture(const SplatTexture& t, const std::vector<Index>& order)
+      : texel(inOrder(t.texel, order)),
+        frame(inOrder(t.frame, order)),
+        texture{t.swatch, texel, frame, t.scale, t.longestStep} {}
+  OrderedTexture(const OrderedTexture&) = delete;
+  OrderedTexture& operator=(const OrderedTexture&) = delete;
+};
+
 struct OrderedColumns {
   std::vector<vec3> positions, normals, colours;
   std::vector<float> radii;
-  std::vector<vec2> texel;
-  std::vector<TangentFrame> frame;
-  std::optional<SplatTexture> texture;
+  std::optional<OrderedTexture> texture;
 
   explicit OrderedColumns(const SplatColumns& c)
       : positions(inOrder(c.positions, *c.order)),
         normals(inOrder(c.normals, *c.order)),
         colours(inOrder(c.colours, *c.order)),
         radii(inOrder(c.radii, *c.order)) {
-    if (!c.texture) return;
-    texel = inOrder(c.texture->texel, *c.order), frame = inOrder(c.texture->frame, *c.order);
-    texture.emplace(
-        SplatTexture{c.texture->swatch, texel, frame, c.texture->scale, c.texture->longestStep});
+    if (c.texture) texture.emplace(*c.texture, *c.order);
   }
   SplatColumns columns() const {
-    return {positions, normals, colours, radii, texture ? &*texture : nullptr};
+    return {positions, normals, colours, radii, texture ? &texture->texture : nullptr};
   }
 };
 
@@ -400,10 +408,22 @@ void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& chan
   glBindVertexArray(0);
 }
 
-void SplatRenderer::recolour(const std::vector<vec3>& colours) {
+void SplatRenderer::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
   DAPPLE_CHECK(colours.size(), ==, pipeline_->count);
+  if (!plain.empty()) DAPPLE_CHECK(plain.size(), ==, pipeline_->count);
   const std::vector<Index>& order = pipeline_->order;
-  pipeline_->buffers.setColours(order.empty() ? colours : inOrder(colours, order));
+  const bool plainly = !plain.empty() && !order.empty();
+  pipeline_->buffers.setColours(order.empty() ? colours : inOrder(colours, order),
+                                plainly ? inOrder(plain, order) : plain);
+  glBindVertexArray(0);
+}
+
+void SplatRenderer::retexture(const SplatTexture* texture) {
+  const std::vector<Index>& order = pipeline_->order;
+  if (texture) DAPPLE_CHECK(texture->texel.size(), ==, pipeline_->count);
+  std::optional<OrderedTexture> ordered;
+  if (texture && !order.empty()) ordered.emplace(*texture, order);
+  pipeline_->buffers.setTexture(ordered ? &ordered->texture : texture);
   glBindVertexArray(0);
 }
 

@@ -33,7 +33,9 @@ class SplatRenderer {
   // ones in length.
   void update(const SplatColumns& columns, const SplatChanges& changes = {});
   // New colours for the same n points: 4 n bytes are uploaded, nothing else happens.
-  void recolour(const std::vector<vec3>& colours);
+  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  // Another swatch inside the splats of the same n points; null: none.
+  void retexture(const SplatTexture* texture);
   // By update() and recolour() so far.
   std::size_t uploadedBytes() const;
 

@@ -38,6 +38,21 @@ void validate(int width, int height, const SplatOptions& options) {
                                    options.samples, kLargestSamples));
 }
 
+std::vector<vec2> plainTexels(const TexelColumns& columns, const Swatch& swatch, float scale) {
+  constexpr float kSame = 2.5f / 255;  // files hold 8 bits
+  const vec2 none(std::numeric_limits<float>::quiet_NaN());
+  std::vector<vec2> texels(columns.texel.begin(), columns.texel.end());
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    const float blur = std::log2(std::max(1.f, columns.spacing[i] / scale));
+    const auto same = [&](float level) {
+      const vec3 d = glm::abs(sampleSwatch(swatch, texels[i], level) - columns.colours[i]);
+      return std::max({d.r, d.g, d.b}) < kSame;
+    };
+    if (!same(0) && !same(blur)) texels[i] = none;
+  }
+  return texels;
+}
+
 float splatRadius(float spacing) {
   return kRadiusPerSpacing * spacing;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "base/types.h"
@@ -34,6 +35,9 @@ struct SplatColumns {
   const std::vector<Index>* order = nullptr;  // n: in which they are drawn; null: as they are
 };
 
+// 1 for each point that shows its colour although it has a texel; empty: none does.
+using PlainPoints = std::vector<std::uint8_t>;
+
 // 8 bits a channel: red in the lowest byte, then green, blue, 255. 0..1, clamped.
 inline std::uint32_t packedColour(const vec3& colour) {
   const auto byte = [](float v) {
@@ -41,6 +45,21 @@ inline std::uint32_t packedColour(const vec3& colour) {
   };
   return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
 }
+
+// As packedColour(); 0 in the highest byte: the point is plain.
+inline std::uint32_t packedColour(const vec3& colour, bool plain) {
+  return plain ? packedColour(colour) & 0xffffffu : packedColour(colour);
+}
+
+// What a splat may show of the swatch: the texel of each point whose colour is the swatch's there,
+// filtered to the point's spacing (n, local units) or not. NaN for the others: blends, and points
+// of another swatch. `scale`: local units per swatch pixel.
+struct TexelColumns {
+  std::span<const vec2> texel;
+  std::span<const vec3> colours;
+  std::span<const float> spacing;
+};
+std::vector<vec2> plainTexels(const TexelColumns& columns, const Swatch& swatch, float scale);
 
 // The radius that leaves no hole and yet blurs little, for a point that owns a square of surface of
 // this side.

@@ -1,0 +1,67 @@
+#include "app/editor/view_overlays.h"
+
+#include "app/gui/gui_context.h"
+
+namespace dapple {
+namespace {
+
+// The swatch's up on the surface, none where nothing was synthesized.
+std::vector<vec3> upOf(const Document& document) {
+  const Results& results = document.results;
+  std::vector<vec3> up(document.size(), vec3(0));
+  for (std::size_t i = 0; i < up.size(); ++i)
+    if ((*results.source)[i] != kNoSource) up[i] = (*results.frame)[i].t;
+  return up;
+}
+
+void add(OverlayLines& lines, const OverlayLines& more) {
+  lines.insert(lines.end(), more.begin(), more.end());
+}
+
+void drawLine(const OverlayLine& line, ImVec2 min, std::vector<ImVec2>& points) {
+  points.clear();
+  for (const vec2& p : line.points) points.push_back({min.x + p.x, min.y + p.y});
+  const glm::vec4& c = line.colour;
+  ImGui::GetWindowDrawList()->AddPolyline(points.data(), static_cast<int>(points.size()),
+                                          ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, c.a}),
+                                          line.closed ? ImDrawFlags_Closed : ImDrawFlags_None,
+                                          line.width);
+}
+
+}  // namespace
+
+const OverlayLines& ViewOverlays::resting(const SceneView& view, const ViewSettings& settings,
+                                          const OverlayView& over) {
+  const Document& document = view.snapshot().document;
+  const Of wanted{.camera = view.pictureCamera(),
+                  .width = view.picture().width,
+                  .height = view.picture().height,
+                  .outlines = settings.outlines && !view.regions().empty(),
+                  .directions = settings.directions && document.results.frame,
+                  .labels = document.labels,
+                  .regions = document.regions,
+                  .frames = document.results.frame};
+  if (wanted == of_) return lines_;
+  of_ = wanted;
+  lines_.clear();
+  if (wanted.outlines) lines_ = outlineLines(over, view.regions());
+  if (wanted.directions)
+    add(lines_, directionLines(over, document.points().positions, upOf(document)));
+  return lines_;
+}
+
+void ViewOverlays::draw(const SceneView& view, const ViewSettings& settings, const Extra& extra,
+                        ImVec2 min) {
+  if (view.empty() || view.picture().width == 0) return;
+  const Camera camera = view.pictureCamera();
+  const OverlayView over(camera, view.picture(), view.splatRadius(),
+                         GuiContext::current().uiScale());
+  OverlayLines lines;
+  if (view.complete() || camera == of_.camera) add(lines, resting(view, settings, over));
+  if (settings.strokes) add(lines, strokesOverlay(over, view.snapshot().document, extra.stroke));
+  add(lines, extra.hand);
+  std::vector<ImVec2> points;
+  for (const OverlayLine& line : lines) drawLine(line, min, points);
+}
+
+}  // namespace dapple
