@@ -4,6 +4,7 @@
 #include <array>
 
 #include "base/errors.h"
+#include "document/border_blend.h"
 #include "document/edits.h"
 #include "document/export_format.h"
 #include "document/project_io.h"
@@ -22,6 +23,12 @@ Visitor(F...) -> Visitor<F...>;
 
 Change always(Document document) {
   return [document = std::move(document)](const Document&) { return document; };
+}
+
+Document withResults(const Document& document, Results results) {
+  Document out = document;
+  out.results = std::move(results);
+  return out;
 }
 
 Change nothing() {
@@ -53,6 +60,36 @@ Change opened(const OpenScan& command, Monitor& monitor) {
   return always(std::move(document));
 }
 
+// What borders follow from, besides labels and results.
+bool sameBorders(const std::vector<Region>& a, const std::vector<Region>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Region& x, const Region& y) {
+    return x.id == y.id && x.locked == y.locked && x.borderWidth == y.borderWidth;
+  });
+}
+
+Results blendedAtOnce(const Document& document) {
+  Workers workers(1);
+  Monitor monitor(workers);
+  return blendBorders(document, monitor);
+}
+
+// The results of `made` with their borders, for documents that have come from it meanwhile. A stop
+// that keeps what is done does not leave borders as they were.
+Change withBlendedBorders(const Document& made, const SynthesisWatch& watch, Monitor& monitor) {
+  Results results;
+  try {
+    results = blendBorders(made, monitor);
+  } catch (const Cancelled&) {
+    if (!watch.keepsDone || !watch.keepsDone()) throw;
+    results = blendedAtOnce(made);
+  }
+  return [made, results](const Document& now) {
+    if (sameBorders(*now.regions, *made.regions)) return withResults(now, results);
+    const Document since = withResults(now, made.results);
+    return withResults(since, blendedAtOnce(since));
+  };
+}
+
 Change synthesized(const Document& document, const Synthesize& command,
                    const CommandContext& context, Monitor& monitor) {
   needScan(document);
@@ -60,13 +97,14 @@ Change synthesized(const Document& document, const Synthesize& command,
   const std::vector<RegionId> regions = regionsOf(command, document);
   if (regions.empty())
     throw InvalidInput("no region has points, a swatch and is unlocked; choose a swatch first");
-  const Results results =
-      withResults(document, synthesizeRegions(document, regions, context.watch, monitor)).results;
-  return [results](const Document& now) {
-    Document out = now;
-    out.results = results;
-    return out;
-  };
+  const Document made =
+      withResults(document, synthesizeRegions(document, regions, context.watch, monitor));
+  return withBlendedBorders(made, context.watch, monitor);
+}
+
+Change blended(const Document& document, Monitor& monitor) {
+  needScan(document);
+  return always(withResults(document, blendBorders(document, monitor)));
 }
 
 // Parts become regions in the places that are not taken; points of locked regions stay theirs.
@@ -174,6 +212,11 @@ bool opensAnother(const Command& command) {
   return std::holds_alternative<OpenScan>(command) || std::holds_alternative<OpenProject>(command);
 }
 
+bool makesResults(const Command& command) {
+  return std::holds_alternative<Synthesize>(command) ||
+         std::holds_alternative<BlendBorders>(command);
+}
+
 Meeting meetsSynthesis(const Command& command, const Synthesize& job, const Document& document) {
   const std::vector<RegionId> regions = regionsOf(job, document);
   const auto stopsIf = [](bool stops) { return stops ? Meeting::Stops : Meeting::Beside; };
@@ -199,6 +242,7 @@ Meeting meetsSynthesis(const Command& command, const Synthesize& job, const Docu
               [&](const SetStroke& c) { return ofRegion(c); },
               [&](const RemoveStroke& c) { return ofRegion(c); },
               [](const Synthesize&) { return Meeting::Waits; },
+              [](const BlendBorders&) { return Meeting::Waits; },
               [](const SaveProject&) { return Meeting::Waits; },
               [](const ExportScan&) { return Meeting::Waits; },
               [](const auto&) { return Meeting::Stops; }},
@@ -244,6 +288,7 @@ std::string label(const Command& command, const Document& d) {
               [&](const Synthesize& c) {
                 return c.region ? "Synthesize " + nameOf(d, *c.region) : "Synthesize all";
               },
+              [](const BlendBorders&) { return std::string("Blend borders"); },
               [&](const ClearResult& c) {
                 return c.region ? "Clear result of " + nameOf(d, *c.region) : "Clear results";
               },
@@ -258,8 +303,7 @@ std::string label(const Command& command, const Document& d) {
 
 bool isJob(const Command& command) {
   return opensAnother(command) || onlyReads(command) ||
-         std::holds_alternative<SegmentAutomatically>(command) ||
-         std::holds_alternative<Synthesize>(command);
+         std::holds_alternative<SegmentAutomatically>(command) || makesResults(command);
 }
 
 bool onlyReads(const Command& command) {
@@ -273,8 +317,7 @@ Meeting meeting(const Command& command, const Command& job, const Document& docu
   if (onlySelects(command)) return Meeting::Beside;
   if (const auto* synthesis = std::get_if<Synthesize>(&job))
     return meetsSynthesis(command, *synthesis, document);
-  return onlyReads(command) || std::holds_alternative<Synthesize>(command) ? Meeting::Waits
-                                                                           : Meeting::Stops;
+  return onlyReads(command) || makesResults(command) ? Meeting::Waits : Meeting::Stops;
 }
 
 Change compute(const Document& document, const Command& command, const CommandContext& context,
@@ -282,6 +325,7 @@ Change compute(const Document& document, const Command& command, const CommandCo
   return std::visit(
       Visitor{[&](const OpenScan& c) { return opened(c, monitor); },
               [&](const Synthesize& c) { return synthesized(document, c, context, monitor); },
+              [&](const BlendBorders&) { return blended(document, monitor); },
               [&](const SegmentAutomatically& c) { return segmented(document, c, monitor); },
               [&](const OpenProject& c) { return always(loadProject(c, context, monitor)); },
               [&](const SaveProject& c) {

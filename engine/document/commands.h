@@ -95,6 +95,9 @@ struct SegmentAutomatically {
 struct Synthesize {
   std::optional<RegionId> region;  // else every region that has a swatch and is not locked
 };
+// Blends region borders again, by the widths and results that there are: after
+// SetRegion{.borderWidth}. Synthesize does it, too.
+struct BlendBorders {};
 struct ClearResult {
   std::optional<RegionId> region;
 };
@@ -120,7 +123,7 @@ using Command =
     std::variant<OpenScan, AddRegion, RemoveRegion, SetRegion, ShowOnly, MoveRegion, Select,
                  SelectAll, SelectRegion, SelectConnected, SelectWand, GrowSelection,
                  ShrinkSelection, InvertSelection, AssignSelection, SetSwatch, AddStroke, SetStroke,
-                 RemoveStroke, SegmentAutomatically, Synthesize, ClearResult, OpenProject,
-                 SaveProject, ExportScan, Undo, Redo, GoTo>;
+                 RemoveStroke, SegmentAutomatically, Synthesize, BlendBorders, ClearResult,
+                 OpenProject, SaveProject, ExportScan, Undo, Redo, GoTo>;
 
 }  // namespace dapple

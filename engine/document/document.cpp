@@ -88,11 +88,19 @@ bool sameSource(const ResultSource& a, const ResultSource& b) {
          std::equal(a.blend.begin(), a.blend.end(), b.blend.begin(), b.blend.end(), sameTerm);
 }
 
+bool sameBorder(const std::shared_ptr<const BorderMix>& a,
+                const std::shared_ptr<const BorderMix>& b) {
+  if (a == b) return true;
+  return a && b && a->points == b->points && sameBytes(a->own, b->own) && a->end == b->end &&
+         std::equal(a->terms.begin(), a->terms.end(), b->terms.begin(), b->terms.end());
+}
+
 bool sameResults(const Results& a, const Results& b) {
   return sameColumn(a.source, b.source) && sameColumn(a.texel, b.texel) &&
          sameColumn(a.frame, b.frame) && sameColumn(a.colour, b.colour) &&
          sameColumn(a.state, b.state) && sameColumn(a.patch, b.patch) &&
          sameColumn(a.error, b.error) && sameColumn(a.order, b.order) &&
+         sameBorder(a.border, b.border) &&
          std::equal(a.sources.begin(), a.sources.end(), b.sources.begin(), b.sources.end(),
                     [](const auto& x, const auto& y) { return x == y || sameSource(*x, *y); });
 }
@@ -204,6 +212,9 @@ std::vector<MemoryBlock> memoryBlocks(const Document& document) {
   note(blocks, results.patch);
   note(blocks, results.error);
   note(blocks, results.order);
+  if (const BorderMix* border = results.border.get())
+    blocks.push_back({border, bytesOf(border->points) + bytesOf(border->own) +
+                                  bytesOf(border->end) + bytesOf(border->terms)});
   for (const auto& source : results.sources) {
     blocks.push_back({source.get(), bytesOf(source->blended) + bytesOf(source->blendEnd) +
                                         bytesOf(source->blend)});

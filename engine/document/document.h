@@ -7,18 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "document/results.h"
 #include "document/texture_job.h"
 #include "regions/point_mask.h"
 #include "regions/strokes.h"
 
 namespace dapple {
-
-template <class T>
-using Column = std::shared_ptr<const std::vector<T>>;
-
-using RegionId = std::uint8_t;
-inline constexpr RegionId kUnassigned = 0;  // the region of all points that belong to no other
-inline constexpr std::size_t kMostRegions = 255;
 
 // A scan as it was opened.
 struct OpenedScan {
@@ -27,18 +21,6 @@ struct OpenedScan {
   LoadOptions load;
   int neighbours = 0;      // of prepared.neighborhoods
   std::uint64_t hash = 0;  // of the file's bytes
-};
-
-struct PixelRect {
-  int x = 0, y = 0, width = 0, height = 0;
-  bool operator==(const PixelRect&) const = default;
-};
-
-// Where a region's swatch comes from.
-struct SwatchReference {
-  std::string path;               // empty: none
-  std::optional<PixelRect> crop;  // of the image; all of it when not given
-  bool operator==(const SwatchReference&) const = default;
 };
 
 // What a user says of a part of the scan. Its scale is options.scale.
@@ -56,38 +38,6 @@ struct Region {
   double borderWidth = 0;  // over which it blends into its neighbours, mean point spacings
   Column<Stroke> strokes;  // null: none
 };
-
-// What one synthesis made its points from.
-struct ResultSource {
-  RegionId region = kUnassigned;
-  SwatchReference reference;
-  std::shared_ptr<const Swatch> swatch;
-  float unit = 0;        // local units per swatch pixel
-  bool partial = false;  // stopped on the way: colours and states only
-  TextureOptions options;
-  SynthesisStatistics statistics;
-  // Points that mix several texels, and their terms.
-  std::vector<Index> blended;         // ascending
-  std::vector<std::size_t> blendEnd;  // by blended: where its terms end in `blend`
-  std::vector<BlendTerm> blend;
-};
-
-inline constexpr std::uint16_t kNoSource = 0xffff;
-
-// The source map of the whole scan: columns of n elements, all null until something is synthesized.
-// Patch ids are unique within one source.
-struct Results {
-  Column<std::uint16_t> source;  // position in sources; kNoSource: never synthesized
-  Column<vec2> texel;
-  Column<TangentFrame> frame;
-  Column<vec3> colour;  // never synthesized: the scan's own, or kBare
-  Column<PointState> state;
-  Column<Index> patch;
-  Column<float> error;
-  Column<Index> order;
-  std::vector<std::shared_ptr<const ResultSource>> sources;
-};
-inline constexpr vec3 kBare{0.72f};  // points without any colour
 
 struct Document {
   std::shared_ptr<const OpenedScan> scan;      // null: nothing is open

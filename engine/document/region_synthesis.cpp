@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/errors.h"
+#include "document/border_blend.h"
 #include "document/options_table.h"
 
 namespace dapple {
@@ -150,7 +151,9 @@ struct OpenColumns {
     open(old.error, error, n, 0.f);
     open(old.order, order, n, kNone);
     colour = shownColours(document);
+    border = old.border;
     sources = old.sources;
+    touched.assign(n, false);
   }
 
   void scatter(const RegionResult& result) {
@@ -160,6 +163,7 @@ struct OpenColumns {
     sources.push_back(result.source);
     for (std::size_t r = 0; r < count; ++r) {
       const std::size_t i = result.points.empty() ? r : result.points[r];
+      touched[i] = true;
       source[i] = id;
       texel[i] = map.texel[r];
       frame[i] = map.frame[r];
@@ -172,9 +176,7 @@ struct OpenColumns {
   }
 
   Results close() {
-    dropUnused();
     Results out;
-    if (sources.empty()) return out;
     out.source = shared(std::move(source));
     out.texel = shared(std::move(texel));
     out.frame = shared(std::move(frame));
@@ -183,7 +185,9 @@ struct OpenColumns {
     out.patch = shared(std::move(patch));
     out.error = shared(std::move(error));
     out.order = shared(std::move(order));
+    out.border = untouchedBorder();
     out.sources = std::move(sources);
+    dropUnusedSources(out);
     return out;
   }
 
@@ -194,7 +198,9 @@ struct OpenColumns {
   std::vector<PointState> state;
   std::vector<Index> patch, order;
   std::vector<float> error;
+  std::shared_ptr<const BorderMix> border;
   std::vector<std::shared_ptr<const ResultSource>> sources;
+  std::vector<bool> touched;  // points with new values
 
  private:
   template <class T>
@@ -210,21 +216,20 @@ struct OpenColumns {
     return std::make_shared<const std::vector<T>>(std::move(column));
   }
 
-  // Sources that no point comes from any more.
-  void dropUnused() {
-    std::vector<std::uint16_t> next(sources.size(), kNoSource);
-    for (const std::uint16_t s : source)
-      if (s != kNoSource) next[s] = 0;
-    std::vector<std::shared_ptr<const ResultSource>> kept;
-    for (std::size_t s = 0; s < sources.size(); ++s) {
-      if (next[s] == kNoSource) continue;
-      next[s] = static_cast<std::uint16_t>(kept.size());
-      kept.push_back(sources[s]);
+  // What is left of the border: the entries of points that are as they were.
+  std::shared_ptr<const BorderMix> untouchedBorder() const {
+    if (!border) return nullptr;
+    BorderMix left;
+    for (std::size_t b = 0; b < border->points.size(); ++b) {
+      if (touched[border->points[b]]) continue;
+      const std::span<const BorderTerm> terms = border->termsOf(b);
+      left.points.push_back(border->points[b]);
+      left.own.push_back(border->own[b]);
+      left.terms.insert(left.terms.end(), terms.begin(), terms.end());
+      left.end.push_back(left.terms.size());
     }
-    if (kept.size() == sources.size()) return;
-    for (std::uint16_t& s : source)
-      if (s != kNoSource) s = next[s];
-    sources = std::move(kept);
+    if (left.points.empty()) return nullptr;
+    return std::make_shared<const BorderMix>(std::move(left));
   }
 };
 
@@ -317,6 +322,7 @@ Document withoutResults(const Document& document, std::optional<RegionId> region
   const std::vector<Index> points = pointsOf(document, *region);
   const std::vector<vec3>& own = document.points().colours;
   for (const Index i : points) {
+    columns.touched[i] = true;
     columns.source[i] = kNoSource;
     columns.texel[i] = vec2(0);
     columns.frame[i] = {};
@@ -326,6 +332,7 @@ Document withoutResults(const Document& document, std::optional<RegionId> region
     columns.error[i] = 0;
   }
   out.results = columns.close();
+  out.results = withoutLostTerms(out);
   return out;
 }
 

@@ -1,0 +1,70 @@
+// Further images of a swatch: what the same place of the material is like beyond its colour. No
+// synthesis looks at them; they follow its source map.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "swatch/swatch.h"
+
+namespace dapple {
+
+enum class Channel { Roughness, Height, Metallic, Occlusion, Normal };
+inline constexpr std::size_t kScalarChannels = 4;  // all but Normal
+inline constexpr std::size_t kChannels = 5;
+
+// "roughness", "height", "metallic", "ao", "normal": in command line, project and PLY files.
+std::string_view channelName(Channel channel);
+// Throws InvalidInput that lists all.
+Channel channelNamed(std::string_view name);
+
+// The files of a swatch's channels; empty: none.
+struct ChannelPaths {
+  std::array<std::string, kChannels> paths;
+  bool greenDown = false;  // the normal map's green is as of DirectX; else as of OpenGL, up
+
+  std::string& operator[](Channel channel) { return paths[static_cast<std::size_t>(channel)]; }
+  const std::string& operator[](Channel channel) const {
+    return paths[static_cast<std::size_t>(channel)];
+  }
+  bool empty() const;
+  bool operator==(const ChannelPaths&) const = default;
+};
+
+// The files beside a swatch that are called as it is but for the usual endings: wood.png or
+// wood_diff.png, wood_nor_gl.exr, wood_rough.png. Never throws: a folder that cannot be read holds
+// none.
+ChannelPaths findChannels(const std::filesystem::path& swatch);
+
+// w x h values each, or none.
+struct MaterialMaps {
+  int width = 0, height = 0;
+  std::array<std::vector<float>, kScalarChannels> scalar;  // as stored, 0..1 but for float images
+  std::vector<vec3> normal;  // tangent space: x along the rows to the right, y up, z outwards
+
+  bool has(Channel channel) const;
+  std::size_t bytes() const;
+};
+
+// The image of a channel, as it was read.
+struct MapImage {
+  const Image& image;
+  std::string file;
+  bool greenDown = false;  // of a normal map
+};
+
+// One of the maps: an image's first channel, or its normal. Throws InvalidInput when its size is
+// not that of the maps; the message names both files.
+void addMap(MaterialMaps& maps, Channel channel, const MapImage& from,
+            const std::string& swatchFile);
+
+// Bilinear, wrapped when `tileable`, else clamped. The channel is there.
+float sampleScalar(const MaterialMaps& maps, Channel channel, vec2 texel, bool tileable);
+vec3 sampleNormal(const MaterialMaps& maps, vec2 texel, bool tileable);  // not normalised
+
+}  // namespace dapple
