@@ -82,6 +82,33 @@ TEST_CASE("live, a result belongs to the edit that asked for it") {
   CHECK(engine.status().errors == 0);
 }
 
+TEST_CASE("live, a border is blended when its width changes, and nothing is synthesized again") {
+  const TestFolder folder;
+  Engine engine({.readImage = imageNamed});
+  engine.setLive(true);
+  engine.submit(OpenScan{.path = writeSphere(folder, 6000), .neighbours = 16});
+  engine.submit(SetSwatch{.region = 0, .reference = {.path = "bricks.png"}});
+  engine.finish();
+  engine.submit(Select{half(engine.snapshot()->document, true)});
+  engine.submit(AddRegion{});
+  engine.submit(SetSwatch{.region = 1, .reference = {.path = "noise.png"}});
+  engine.finish();
+  const auto hard = engine.snapshot();
+  CHECK_FALSE(hard->document.results.border);
+  SetRegion soft{.region = 1};
+  soft.borderWidth = 4;
+  engine.submit(soft);
+  engine.finish();
+  const auto blended = engine.snapshot();
+  REQUIRE(blended->document.results.border);
+  CHECK(blended->document.results.texel == hard->document.results.texel);
+  CHECK(*blended->document.results.colour != *hard->document.results.colour);
+  CHECK(blended->history->size() == hard->history->size() + 1);
+  engine.submit(Undo{});
+  engine.finish();
+  CHECK(sameContent(engine.snapshot()->document, hard->document));
+}
+
 TEST_CASE("live, every edit on the way starts anew and the last one counts") {
   const TestFolder folder;
   Engine engine({.readImage = imageNamed});

@@ -263,6 +263,12 @@ void Editor::addSynthesisActions() {
                 .icon = Icon::play,
                 .enabled = [this] { return hasScan() && chosen().swatch && !working(); },
                 .run = [this] { engine_.submit(Synthesize{chosen_}); }});
+  actions_.add({.id = "region.blend",
+                .label = "Blend borders",
+                .menu = "Region",
+                .help = "By the widths of the regions; a synthesis does it, too.",
+                .enabled = [this] { return snapshot_->document.results.source && !working(); },
+                .run = [this] { engine_.submit(BlendBorders{}); }});
   actions_.add({.id = "synthesize.live",
                 .label = "Live",
                 .menu = "Region",

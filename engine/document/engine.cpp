@@ -113,7 +113,7 @@ struct Engine::Core {
             reason = Wake::JobDone;
           else if (!quit && !waiting && !queue.empty())
             reason = Wake::NewCommand;
-          else if (!quit && !job && !head && live && !touched.empty())
+          else if (!quit && !job && !head && live && (!touched.empty() || borders))
             reason = Wake::Touched;
           else
             return false;
@@ -151,11 +151,11 @@ struct Engine::Core {
     const std::string name = label(command, history.document());
     try {
       if (std::holds_alternative<Undo>(command))
-        history.undo(), touched.clear();
+        history.undo(), untouch();
       else if (std::holds_alternative<Redo>(command))
-        history.redo(), touched.clear();
+        history.redo(), untouch();
       else if (const auto* to = std::get_if<GoTo>(&command))
-        history.goTo(to->entry), touched.clear();
+        history.goTo(to->entry), untouch();
       else {
         Monitor monitor(quickWorkers);
         Document next = apply(history.document(), command, contextOf(nullptr), monitor);
@@ -171,9 +171,16 @@ struct Engine::Core {
   // Remembers what the edit touches.
   void touch(const Document& next) {
     for (const RegionId id : touchedRegions(history.document(), next)) touched.insert(id);
+    borders |= bordersTouched(history.document(), next);
+  }
+
+  void untouch() {
+    touched.clear();
+    borders = false;
   }
 
   void startLive() {
+    if (touched.empty()) return startJob(BlendBorders{}, true);
     const RegionId region = *touched.begin();
     if (canSynthesize(history.document(), region))
       startJob(Synthesize{region}, true);
@@ -220,9 +227,9 @@ struct Engine::Core {
     } catch (const Cancelled&) {
     } catch (const std::exception& error) {
       fail(ended->label, error.what());
-      touched.clear();
+      untouch();
     }
-    if (ended->byUser) touched.clear();
+    if (ended->byUser) untouch();
     publishDocument();
   }
 
@@ -231,13 +238,16 @@ struct Engine::Core {
     if (onlyReads(ended.command)) return;
     Document next = ended.change(history.document());
     if (const auto* synthesis = std::get_if<Synthesize>(&ended.command)) {
+      borders = false;
       if (synthesis->region)
         touched.erase(*synthesis->region);
       else
         touched.clear();
+    } else if (std::holds_alternative<BlendBorders>(ended.command)) {
+      borders = false;
     } else {
       touch(next);
-      if (next.scan != history.document().scan) touched.clear();
+      if (next.scan != history.document().scan) untouch();
     }
     if (ended.byItself)
       history.amend(std::move(next));
@@ -261,7 +271,7 @@ struct Engine::Core {
       const std::lock_guard lock(mutex);
       status.historyBytes = history.bytes();
       handling = head.has_value();
-      somethingTouched = !touched.empty();
+      somethingTouched = !touched.empty() || borders;
     }
     idle.notify_all();
     if (options.changed) options.changed();
@@ -390,6 +400,7 @@ struct Engine::Core {
   std::optional<Command> head;  // taken from the queue
   bool waiting = false;         // head waits for the end of the job
   std::set<RegionId> touched;   // to be synthesized again by themselves
+  bool borders = false;         // to be blended again by themselves
 
   std::mutex publishing;  // one publisher at a time; taken before `mutex`
   mutable std::mutex mutex;
@@ -397,7 +408,7 @@ struct Engine::Core {
   // Under `mutex`. The engine thread alone changes `job` and may read it without.
   std::deque<Command> queue;
   bool quit = false, jobDone = false, live = false;
-  bool somethingTouched = false;  // `touched` is not empty
+  bool somethingTouched = false;  // `touched` or `borders`
   bool handling = false;  // the engine thread works, or has a command that waits for the job
   std::unique_ptr<Job> job;
   std::shared_ptr<const Snapshot> current;

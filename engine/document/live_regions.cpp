@@ -8,7 +8,7 @@ namespace {
 
 bool sameInput(const Region& a, const Region& b) {
   return a.image == b.image && a.swatch == b.swatch && a.options == b.options &&
-         a.rotation == b.rotation && a.borderWidth == b.borderWidth && a.strokes == b.strokes;
+         a.rotation == b.rotation && a.strokes == b.strokes;
 }
 
 }  // namespace
@@ -27,6 +27,17 @@ std::vector<RegionId> touchedRegions(const Document& before, const Document& aft
   for (std::size_t id = 0; id < touched.size(); ++id)
     if (touched[id]) out.push_back(static_cast<RegionId>(id));
   return out;
+}
+
+bool bordersTouched(const Document& before, const Document& after) {
+  if (!after.results.source || before.scan != after.scan) return false;
+  bool wide = false, changed = before.labels != after.labels;
+  for (const Region& region : *after.regions) {
+    const Region* old = findRegion(before, region.id);
+    wide |= region.borderWidth > 0 || (old && old->borderWidth > 0);
+    changed |= old && (old->borderWidth != region.borderWidth || old->locked != region.locked);
+  }
+  return wide && changed;
 }
 
 bool canSynthesize(const Document& document, RegionId id) {

@@ -12,6 +12,10 @@ namespace dapple {
 // stay as they are. Empty when `after` is of another scan. Ascending.
 std::vector<RegionId> touchedRegions(const Document& before, const Document& after);
 
+// The borders between regions blend differently now (BlendBorders): their widths, locks or places
+// have changed.
+bool bordersTouched(const Document& before, const Document& after);
+
 // It can be synthesized: it has points and a swatch, and is not locked.
 bool canSynthesize(const Document& document, RegionId region);
 
