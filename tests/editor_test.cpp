@@ -137,6 +137,8 @@ TEST_CASE("files that are dropped are opened, and what cannot be is told") {
   std::ofstream(bad) << "ply\nformat ascii 1.0\nelement vertex 3\n";
   desk.gui.drop({bad});
   desk.rest();
+  desk.gui.click("question.no");  // the swatch is not saved
+  desk.rest();
   CHECK(desk.editor.engine().status().errors == 1);
   CHECK(desk.gui.has("notice.0"));
   CHECK(sameContent(desk.document(), before));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/editor/editor_layout.h"
+#include "app/editor/editor_memory.h"
 #include "app/editor/view_legend.h"
 #include "app/gui/gui_context.h"
 #include "app/gui/gui_renderer.h"
@@ -21,15 +22,15 @@ constexpr float kPick = 4;                        // logical pixels
 constexpr float kStrokeReach = 8;                 // logical pixels
 constexpr char kProject[] = ".dapple";
 
-bool isImage(const std::filesystem::path& path) {
+}  // namespace
+
+bool isImageFile(const std::filesystem::path& path) {
   const std::string extension = lowerExtension(path);
   for (const char* known :
        {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp", ".webp", ".tga", ".hdr", ".gif"})
     if (extension == known) return true;
   return false;
 }
-
-}  // namespace
 
 Editor::Editor(EditorOptions options)
     : options_(std::move(options)),
@@ -40,13 +41,17 @@ Editor::Editor(EditorOptions options)
       view_(workers_),
       library_([](const std::filesystem::path& path) { return readImage(path); }),
       navigation_(&navigationPreset("Default")),
-      live_(options_.live) {
+      live_(options_.live),
+      memory_(std::make_unique<Memory>(*this)) {
   engine_.setLive(live_);
   library_.addFolder(options_.assets / "swatches");
   addActions();
+  memory_->recall();
 }
 
-Editor::~Editor() = default;
+Editor::~Editor() {
+  memory_->leave();
+}
 
 const Region& Editor::chosen() const {
   const Region* region = findRegion(snapshot_->document, chosen_);
@@ -96,14 +101,8 @@ bool Editor::hasSelection() const {
 }
 
 void Editor::open(const std::filesystem::path& path) {
-  if (path.extension() == kProject) {
-    project_ = path.string();
-    engine_.submit(OpenProject{path.string(), {}});
-  } else if (isImage(path)) {
-    openImage(path);
-  } else {
-    engine_.submit(OpenScan{path.string(), {}});
-  }
+  if (isImageFile(path)) return openImage(path);
+  memory_->guarded([this, path] { openDocument(path); });
 }
 
 void Editor::openImage(const std::filesystem::path& path) {
@@ -111,7 +110,14 @@ void Editor::openImage(const std::filesystem::path& path) {
   engine_.submit(SetSwatch{chosen_, {path.string(), {}}});
 }
 
-void Editor::openSample() {
+void Editor::openDocument(const std::filesystem::path& path) {
+  if (path.extension() == kProject)
+    engine_.submit(OpenProject{path.string(), {}});
+  else
+    engine_.submit(OpenScan{path.string(), {}});
+}
+
+void Editor::openSampleNow() {
   const auto swatch = options_.assets / "swatches" / "scales.png";
   engine_.submit(OpenScan{(options_.assets / "scans" / "creature.ply").string(), {}});
   engine_.submit(SetSwatch{kUnassigned, {swatch.string(), {}}});
@@ -158,7 +164,10 @@ void Editor::zoomWheel(const Layout& layout) {
     if (const auto under = view_.picker().pointAt(pick, cursor, kPick * layout.uiScale))
       surface = under->position;
   }
-  view_.camera().zoom(io.MouseWheel, cursor, layout.viewport(), surface);
+  if (navigation_->wheelZoomsToCursor)
+    view_.camera().zoom(io.MouseWheel, cursor, layout.viewport(), surface);
+  else
+    view_.camera().zoom(io.MouseWheel, layout.viewCentre(), layout.viewport());
 }
 
 void Editor::navigate(const Layout& layout, bool hovered) {
@@ -225,8 +234,8 @@ void Editor::viewPanel(const Layout& layout) {
 // What the engine and the user have done since the last frame.
 void Editor::takeNews(const Layout& layout) {
   const Document before = snapshot_->document;
+  status_ = engine_.status();  // first: at rest, the snapshot is the last
   snapshot_ = engine_.snapshot();
-  status_ = engine_.status();
   library_.update();
   chooseNewRegion(before);
   if (!findRegion(snapshot_->document, chosen_)) choose(kUnassigned);
@@ -235,11 +244,8 @@ void Editor::takeNews(const Layout& layout) {
   if (editing_ &&
       (*editing_ == RegionSettings::of(chosen()) || (!status_.busy && !ImGui::IsAnyItemActive())))
     editing_.reset();
-  for (const std::filesystem::path& path : GuiContext::current().dropped()) {
-    // An image is for what it is dropped on.
-    if (const auto region = isImage(path) ? regionUnder(layout) : std::nullopt) choose(*region);
-    open(path);
-  }
+  if (const auto& dropped = GuiContext::current().dropped(); !dropped.empty())
+    memory_->openAll(dropped, regionUnder(layout));
   view_.follow(snapshot_, settings_);
 }
 
@@ -253,7 +259,7 @@ bool Editor::frame(int width, int height) {
                       .uiScale = GuiContext::current().uiScale()};
   takeNews(layout);
   actions_.dispatch(browser_.isOpen() || search_.isOpen() || sheet_.isOpen() || export_.isOpen() ||
-                    segment_.isOpen());
+                    segment_.isOpen() || memory_->isAsking());
 
   if (const scope::MainMenuBar bar; bar) actionMenus(actions_);
   viewPanel(layout);
@@ -265,10 +271,11 @@ bool Editor::frame(int width, int height) {
   takeMessages();
   notices_.drawToasts(layout.width - layout.right, layout.height - layout.status);
   search_.draw(actions_);
-  sheet_.draw(actions_);
+  sheet_.draw(actions_, memory_->gestures());
   if (const auto command = segment_.draw()) engine_.submit(*command);
   if (export_.draw(snapshot_->document)) ask(Asking::Export);
   if (const auto path = browser_.draw()) answered(*path);
+  memory_->remember(layout.width, layout.height);
   return !settled_ || library_.loading() || notices_.passing() || browser_.busy();
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/editor/editor_options.h"
 #include "app/editor/export_dialog.h"
 #include "app/editor/region_panel.h"
 #include "app/editor/scene_view.h"
@@ -21,12 +22,8 @@
 
 namespace dapple {
 
-struct EditorOptions {
-  std::filesystem::path assets;  // swatches/ and scans/
-  unsigned threads = 0;          // of the engine; 0: one a processor
-  bool live = true;              // regions are synthesized again after each edit that touches them
-  std::function<void()> wake;    // the engine has something new: called from its threads
-};
+// By its name.
+bool isImageFile(const std::filesystem::path& path);
 
 // Needs the current OpenGL and ImGui contexts for its whole life.
 class Editor {
@@ -41,6 +38,12 @@ class Editor {
   // The widgets of one frame of `width` x `height` pixels. True: the next frame is due at once.
   bool frame(int width, int height);
   bool wantsToClose() const { return close_; }
+  // The user closes the window. False: there is unsaved work, and it is asked what becomes of it.
+  bool mayClose();
+  // Of the window: what is open, whether it is saved, how far the job is.
+  std::string title() const;
+  // Something outside is waited for: a frame is due some times a second.
+  bool waiting() const;
 
   Engine& engine() { return engine_; }
   const Snapshot& snapshot() const { return *snapshot_; }
@@ -85,6 +88,8 @@ class Editor {
   void toolInput(const Layout& layout, bool hovered);
 
   void openImage(const std::filesystem::path& path);
+  void openDocument(const std::filesystem::path& path);  // at once
+  void openSampleNow();
   void openSample();
   void cancel();  // the gesture, else the job
   const Region& chosen() const;
@@ -128,13 +133,15 @@ class Editor {
   std::optional<RegionSettings> editing_;  // until the engine has them
   unsigned gesture_ = 0;                   // since the mouse button went down
   bool live_;
-  std::string project_;                 // path, once saved or opened
+  std::string project_;                 // where the document is saved; empty: nowhere
   std::size_t errors_ = 0, notes_ = 0;  // of the engine's, that the user has been told
   Notices notices_;
   ViewOverlays overlays_;
   std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
   bool settled_ = false;  // the picture is complete
+  struct Memory;          // editor_memory.h
+  std::unique_ptr<Memory> memory_;
 };
 
 }  // namespace dapple

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/editor/editor_layout.h"
+#include "app/editor/editor_memory.h"
 
 namespace dapple {
 namespace {
@@ -67,13 +68,13 @@ void Editor::ask(Asking what) {
                   .name = "textured",
                   .kinds = kExports[static_cast<std::size_t>(export_.format())]};
   }
-  browser_.open(std::move(question));
+  memory_->show(std::move(question));
 }
 
 void Editor::answered(const std::filesystem::path& path) {
+  memory_->noteAnswer(path);
   if (asking_ == Asking::SaveProject) {
-    project_ = path.string();
-    engine_.submit(SaveProject{project_});
+    engine_.submit(SaveProject{path.string()});
   } else if (asking_ == Asking::Export) {
     ExportScan command = export_.command();
     command.path = path.string();
@@ -103,6 +104,7 @@ void Editor::addFileActions() {
                 .help = "A small scan with a swatch, textured at once.",
                 .icon = Icon::play,
                 .run = [this] { openSample(); }});
+  memory_->addRecentActions();
   actions_.add({.id = "file.save",
                 .label = "Save project",
                 .menu = "File",
@@ -136,7 +138,7 @@ void Editor::addFileActions() {
                 .menu = "File",
                 .shortcuts = shortcuts("Ctrl+Q"),
                 .separatorBefore = true,
-                .run = [this] { close_ = true; }});
+                .run = [this] { memory_->guarded([this] { close_ = true; }); }});
 }
 
 void Editor::addEditActions() {
@@ -485,6 +487,7 @@ void Editor::addActions() {
                 .shortcuts = shortcuts("F1, ?"),
                 .icon = Icon::info,
                 .run = [this] { sheet_.open(); }});
+  memory_->addHabitActions();
 }
 
 }  // namespace dapple

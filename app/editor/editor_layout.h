@@ -20,6 +20,7 @@ struct Editor::Layout {
   Viewport viewport() const {
     return {static_cast<int>(viewSize().x), static_cast<int>(viewSize().y)};
   }
+  vec2 viewCentre() const { return {viewSize().x / 2, viewSize().y / 2}; }
   // A place on the screen in the picture's pixels.
   vec2 inView(ImVec2 at) const { return {at.x - left, at.y - menu}; }
 };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/editor/editor_layout.h"
+#include "app/editor/editor_memory.h"
 #include "app/editor/option_widgets.h"
 #include "app/gui/gui_context.h"
 #include "app/gui/gui_renderer.h"
@@ -31,7 +32,8 @@ void placeWindow(ImVec2 min, ImVec2 size) {
 }  // namespace
 
 void Editor::startScreen(const Layout& layout) {
-  const ImVec2 size = px(440, 330), min = layout.viewMin(), area = layout.viewSize();
+  const ImVec2 size(px(440), px(290) + memory_->startListsHeight()), min = layout.viewMin(),
+                                                                     area = layout.viewSize();
   placeWindow({min.x + 0.5f * (area.x - size.x), min.y + 0.5f * (area.y - size.y)}, size);
   const scope::Style padding(ImGuiStyleVar_WindowPadding, px(28, 28));
   const scope::Style rounding(ImGuiStyleVar_WindowRounding, px(theme::kRadiusLarge));
@@ -54,6 +56,7 @@ void Editor::startScreen(const Layout& layout) {
   gap(theme::kGapSmall);
   if (textButton("Open project...", ButtonKind::normal, Icon::file, -1, "start.open-project"))
     ask(Asking::Project);
+  memory_->startLists();
 }
 
 void Editor::toolbar(const Layout& layout) {

@@ -46,6 +46,7 @@ void menuContent(ActionTable& table, const std::string& path) {
   // By index: what an item runs may add actions.
   for (std::size_t i = 0; i < table.all().size(); ++i) {
     const std::string menu = table.all()[i].menu, id = table.all()[i].id;
+    if (table.all()[i].label.empty()) continue;
     if (menu == path) {
       if (table.all()[i].separatorBefore && any) ImGui::Separator();
       any = true;

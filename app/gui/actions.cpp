@@ -63,6 +63,12 @@ void ActionTable::setShortcuts(std::string_view id, std::vector<Shortcut> keys) 
   keys_[index] = std::move(keys);
 }
 
+void ActionTable::setLabel(std::string_view id, std::string label) {
+  const std::size_t index = indexOf(id);
+  if (index == actions_.size()) throw Bug(fmt::format("there is no action {}", id));
+  actions_[index].label = std::move(label);
+}
+
 void ActionTable::resetShortcuts() {
   for (std::size_t i = 0; i < actions_.size(); ++i) keys_[i] = actions_[i].shortcuts;
 }

@@ -43,6 +43,8 @@ class ActionTable {
   std::string keysOf(std::string_view id) const;
   void setShortcuts(std::string_view id, std::vector<Shortcut> keys);
   void resetShortcuts();  // to the defaults
+  // For an action that is about something else now. Empty: neither menus nor search have it.
+  void setLabel(std::string_view id, std::string label);
   // Ids of others that have one of the action's shortcuts.
   std::vector<std::string> conflictsOf(std::string_view id) const;
 

@@ -4,6 +4,7 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -212,6 +213,14 @@ float Window::desktopScale() const {
   float x = 1, y = 1;
   glfwGetWindowContentScale(handle_->window, &x, &y);
   return std::max(x, y);
+}
+
+std::string Window::portalName() const {
+  // Only GLFW's build for X11 has it, and its header would need X11's.
+  using X11Window = unsigned long (*)(GLFWwindow*);
+  const auto x11 = reinterpret_cast<X11Window>(::dlsym(RTLD_DEFAULT, "glfwGetX11Window"));
+  const unsigned long id = x11 ? x11(handle_->window) : 0;
+  return id == 0 ? std::string() : fmt::format("x11:{:x}", id);
 }
 
 void Window::setTitle(const std::string& title) {

@@ -43,6 +43,8 @@ class Window {
   GuiContext& gui() { return *gui_; }
   // What the desktop asks for (Xft.dpi); the scale in use is gui().uiScale().
   float desktopScale() const;
+  // As the desktop's portals name it ("x11:3a00007"); empty where they cannot.
+  std::string portalName() const;
   void setTitle(const std::string& title);
   int width() const;  // pixels
   int height() const;

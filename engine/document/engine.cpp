@@ -224,6 +224,7 @@ struct Engine::Core {
       // Stopped too late to notice: the wish counts.
       if (ended->ending == Ending::Discard) throw Cancelled();
       take(*ended);
+      noteFile(*ended);
     } catch (const Cancelled&) {
     } catch (const std::exception& error) {
       fail(ended->label, error.what());
@@ -255,6 +256,20 @@ struct Engine::Core {
       history.push(ended.label + (ended.kept ? " (stopped)" : ""), std::move(next));
   }
 
+  // What was opened or saved is now as its file has it.
+  void noteFile(const Job& ended) {
+    DocumentFile now;
+    if (const auto* save = std::get_if<SaveProject>(&ended.command))
+      now = {save->path, DocumentIdentity(ended.document)};
+    else if (const auto* project = std::get_if<OpenProject>(&ended.command))
+      now = {project->path, DocumentIdentity(history.document())};
+    else if (std::holds_alternative<OpenScan>(ended.command))
+      now = {{}, DocumentIdentity(history.document())};
+    else
+      return;
+    file = std::make_shared<const DocumentFile>(std::move(now));
+  }
+
   void publishDocument() {
     auto labels = std::make_shared<std::vector<std::string>>();
     for (std::size_t e = 0; e < history.size(); ++e) labels->push_back(history.label(e));
@@ -262,6 +277,7 @@ struct Engine::Core {
       next.document = history.document();
       next.history = std::move(labels);
       next.cursor = history.cursor();
+      next.file = file;
       if (!job) next.previewColour = nullptr, next.previewState = nullptr;
     });
   }
@@ -398,9 +414,10 @@ struct Engine::Core {
   // Of the engine thread alone.
   EditHistory history;
   std::optional<Command> head;  // taken from the queue
-  bool waiting = false;         // head waits for the end of the job
-  std::set<RegionId> touched;   // to be synthesized again by themselves
-  bool borders = false;         // to be blended again by themselves
+  std::shared_ptr<const DocumentFile> file;
+  bool waiting = false;        // head waits for the end of the job
+  std::set<RegionId> touched;  // to be synthesized again by themselves
+  bool borders = false;        // to be blended again by themselves
 
   std::mutex publishing;  // one publisher at a time; taken before `mutex`
   mutable std::mutex mutex;

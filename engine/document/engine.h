@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "document/apply.h"
+#include "document/document_identity.h"
 
 namespace dapple {
 
@@ -27,8 +28,16 @@ enum class Part {
 };
 inline constexpr std::size_t kParts = 12;
 
+// A document as a file has it.
+struct DocumentFile {
+  std::string project;  // path; empty: it is a scan as it was opened
+  DocumentIdentity document;
+};
+
 struct Snapshot {
   Document document;
+  // The last one that was opened or saved, by command; null: none.
+  std::shared_ptr<const DocumentFile> file;
   std::shared_ptr<const std::vector<std::string>> history;  // labels, oldest first
   std::size_t cursor = 0;                                   // of the present document
   // While a synthesis runs, what it has so far: n elements each; else null.
