@@ -38,6 +38,7 @@ struct Home {
   EditorOptions options() const {
     return {.assets = DAPPLE_ASSETS,
             .threads = 2,
+            .live = false,
             .config = config(),
             .state = path / "state",
             .autosaveQuiet = 0.02,
@@ -83,6 +84,7 @@ struct Session {
   }
   void edit() {  // two steps of the history
     gui.key(letterKey('A'), kCtrl);
+    rest();
     gui.key(letterKey('G'), kCtrl);
     rest();
   }

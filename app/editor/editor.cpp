@@ -111,6 +111,7 @@ void Editor::openImage(const std::filesystem::path& path) {
 }
 
 void Editor::openDocument(const std::filesystem::path& path) {
+  choose(kUnassigned);  // the only region that the document is sure to have
   if (path.extension() == kProject)
     engine_.submit(OpenProject{path.string(), {}});
   else
