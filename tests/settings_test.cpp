@@ -33,6 +33,7 @@ Settings unusual() {
   settings.windowHeight = 700;
   settings.hints = {"segment", "swatch"};
   settings.desktopDialogs = false;
+  settings.live = settings.texels = false;
   return settings;
 }
 

@@ -41,9 +41,7 @@ Editor::Editor(EditorOptions options)
       view_(workers_),
       library_([](const std::filesystem::path& path) { return readImage(path); }),
       navigation_(&navigationPreset("Default")),
-      live_(options_.live),
       memory_(std::make_unique<Memory>(*this)) {
-  engine_.setLive(live_);
   library_.addFolder(options_.assets / "swatches");
   addActions();
   memory_->recall();

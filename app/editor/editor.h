@@ -78,6 +78,7 @@ class Editor {
   void methodPanel();
   void jobPanel();
   void historyPanel();
+  void logPanel();
   void statusBar(const Layout& layout);
   void takeMessages();
 
@@ -132,7 +133,7 @@ class Editor {
   std::optional<StrokeId> stroke_;         // chosen
   std::optional<RegionSettings> editing_;  // until the engine has them
   unsigned gesture_ = 0;                   // since the mouse button went down
-  bool live_;
+  bool live_ = true;
   std::string project_;                 // where the document is saved; empty: nowhere
   std::size_t errors_ = 0, notes_ = 0;  // of the engine's, that the user has been told
   Notices notices_;

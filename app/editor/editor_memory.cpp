@@ -49,6 +49,8 @@ void Editor::Memory::recall() {
   for (const std::string& warning : warnings) editor.notices_.warn(warning);
   editor.settings_.background = settings.background;
   editor.settings_.shading = settings.shading;
+  editor.settings_.texels = settings.texels;
+  editor.setLive(editor.options_.live.value_or(settings.live));
   if (settings.uiScale > 0) GuiContext::current().setUiScale(settings.uiScale);
   editor.navigation_ = &navigationPreset(settings.navigation);
   readKeys();
@@ -66,6 +68,8 @@ void Editor::Memory::remember(float width, float height) {
   lookForRecent();
   settings.background = editor.settings_.background;
   settings.shading = editor.settings_.shading;
+  settings.texels = editor.settings_.texels;
+  if (!editor.options_.live) settings.live = editor.live_;
   settings.navigation = editor.navigation_->name;
   if (settings != saved) settingsFile.write(saved = settings);
   if (const auto error = settingsFile.takeError()) editor.notices_.warn(*error);

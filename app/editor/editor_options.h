@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "app/gui/desktop_dialog.h"
 
@@ -11,7 +12,7 @@ namespace dapple {
 struct EditorOptions {
   std::filesystem::path assets;  // swatches/ and scans/
   unsigned threads = 0;          // of the engine; 0: one a processor
-  bool live = true;              // regions are synthesized again after each edit that touches them
+  std::optional<bool> live;      // Engine::setLive(); else as the user's settings say
   std::function<void()> wake;    // the engine has something new: called from its threads
   // Folders of the user's settings and of unsaved work; empty: nothing is read or written.
   std::filesystem::path config, state;

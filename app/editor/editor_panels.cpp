@@ -1,6 +1,8 @@
 // The parts round the 3D view.
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "app/editor/editor_layout.h"
 #include "app/editor/editor_memory.h"
 #include "app/editor/option_widgets.h"
@@ -185,15 +187,26 @@ void Editor::jobPanel() {
 
 void Editor::historyPanel() {
   if (!sectionHeader("History", true, "panel.history")) return;
-  const scope::Child list("history", {0, px(kHistoryHeight)});
   const auto& labels = *snapshot_->history;
+  mutedText(fmt::format("{} steps, {:.1f} MB", labels.size(),
+                        static_cast<double>(status_.historyBytes) / 1e6));
+  const scope::Child list("history", {0, px(kHistoryHeight)});
+  int& seen = *ImGui::GetStateStorage()->GetIntRef(ImGui::GetID("cursor"), 0);
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const scope::Id id(static_cast<int>(k));
     const bool undone = k > snapshot_->cursor;
     const scope::Colour colour(ImGuiCol_Text, undone ? theme::kTextFaint : theme::kText);
     if (ImGui::Selectable(labels[k].c_str(), k == snapshot_->cursor)) engine_.submit(GoTo{k});
     markItem(fmt::format("history.{}", k));
+    if (k == snapshot_->cursor && std::exchange(seen, static_cast<int>(k)) != static_cast<int>(k))
+      ImGui::SetScrollHereY();
   }
+}
+
+void Editor::logPanel() {
+  if (!sectionHeader("Messages", false, "panel.log")) return;
+  const scope::Child list("log", {0, px(kHistoryHeight)});
+  notices_.drawLog();
 }
 
 void Editor::sidePanel(const Layout& layout) {
@@ -206,6 +219,7 @@ void Editor::sidePanel(const Layout& layout) {
     swatchPanel();
     methodPanel();
     historyPanel();
+    logPanel();
   }
   jobPanel();
 }

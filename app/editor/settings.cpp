@@ -153,6 +153,8 @@ std::string toJson(const Settings& settings, const std::string& others) {
   root["window"] = {settings.windowWidth, settings.windowHeight};
   root["hints_dismissed"] = settings.hints;
   root["desktop_dialogs"] = settings.desktopDialogs;
+  root["live"] = settings.live;
+  root["texels"] = settings.texels;
   return root.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
@@ -232,6 +234,10 @@ Settings settingsFromJson(const std::string& text, std::vector<std::string>& war
   settings.hints.insert(hints.begin(), hints.end());
   if (const json* found = reader.find("desktop_dialogs", &json::is_boolean, "true or false"))
     settings.desktopDialogs = *found;
+  if (const json* found = reader.find("live", &json::is_boolean, "true or false"))
+    settings.live = *found;
+  if (const json* found = reader.find("texels", &json::is_boolean, "true or false"))
+    settings.texels = *found;
   reader.unknown();
   return settings;
 }

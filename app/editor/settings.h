@@ -25,6 +25,8 @@ struct Settings {
   int windowWidth = 1440, windowHeight = 900;  // logical pixels
   std::set<std::string> hints;                 // coach marks that were dismissed
   bool desktopDialogs = true;
+  bool live = true;    // regions are synthesized again after each edit that touches them
+  bool texels = true;  // the swatch inside the splats
 
   // To the front; the oldest beyond kMostRecent go. Not for a name that JSON cannot hold.
   void opened(const std::filesystem::path& file);
