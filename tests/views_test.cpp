@@ -33,7 +33,10 @@ TEST_CASE("every view has its name and unknown names are refused") {
   CHECK(viewNamed("order") == View::Order);
   CHECK(viewNamed("regions") == View::Regions);
   CHECK(viewNamed("coordinates") == View::Coordinates);
-  CHECK(viewNames("|") == "colour|normals|state|patch|distortion|order|regions|coordinates");
+  CHECK(viewNamed("mapped-normals") == View::MappedNormals);
+  CHECK(viewNames("|") ==
+        "colour|normals|state|patch|distortion|order|regions|coordinates|roughness|height|metallic|"
+        "ao|mapped-normals");
   for (const NamedView& v : allViews()) {
     CHECK(viewNamed(v.name) == v.view);
     CHECK(!v.shows.empty());

@@ -9,6 +9,7 @@
 #include "app/cli/report.h"
 #include "app/render/camera.h"
 #include "base/errors.h"
+#include "document/channels.h"
 #include "document/texture_job.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
@@ -91,6 +92,10 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
   std::optional<Swatch> swatch;
   if (!a.swatch.empty())
     swatch = makeSwatch(readImage(a.swatch), table.tileable, stackLevels(table), a.swatch);
+  const PointChannels channels = readChannels(prepared.scan);
+  const auto scalar = [&](Channel channel) -> std::span<const float> {
+    return channels.scalar[static_cast<std::size_t>(channel)];
+  };
   const ViewColumns columns{.colours = points.colours,
                             .normals = points.normals,
                             .state = map.state,
@@ -99,7 +104,12 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
                             .order = map.order,
                             .region = regions,
                             .texel = map.texel,
-                            .swatchSize = swatch ? ivec2(swatch->width, swatch->height) : ivec2(0)};
+                            .swatchSize = swatch ? ivec2(swatch->width, swatch->height) : ivec2(0),
+                            .roughness = scalar(Channel::Roughness),
+                            .height = scalar(Channel::Height),
+                            .metallic = scalar(Channel::Metallic),
+                            .occlusion = scalar(Channel::Occlusion),
+                            .mappedNormals = channels.normal};
   monitor.begin(Stage::Render, 0);
   PictureFiles files(a);
   drawPictures({.points = points,
@@ -142,8 +152,9 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
       ->capture_default_str();
   sub->add_option("--show", a->show,
                   viewNames("|") +
-                      "; all from state on need a scan that was saved with --source-map, regions "
-                      "one with a vertex property 'region'")
+                      "; state to coordinates need a scan that was saved with --source-map, "
+                      "regions one with a vertex property 'region', the last five one that was "
+                      "saved with --channel")
       ->capture_default_str();
   sub->add_option("--overlay", a->overlay,
                   "none|directions|regions: drawn over the picture; directions of a scan that was "

@@ -9,6 +9,7 @@
 #include "app/cli/report.h"
 #include "app/render/camera.h"
 #include "base/errors.h"
+#include "document/channels.h"
 #include "document/export_format.h"
 #include "document/options_table.h"
 #include "document/textured_scan.h"
@@ -23,6 +24,7 @@ struct TextureArguments {
   DrawingArguments drawing;
   LoadOptions load;
   ExportOptions exported;
+  std::vector<std::string> channels;
   bool ascii = false, zUp = false, score = false;
 };
 
@@ -32,6 +34,11 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("-o,--output", a.output, "textured scan to write (PLY)")->required();
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
+  app.add_option("--channel", a.channels,
+                 "KIND=IMAGE: a further image of the swatch, of the same size, to be written by "
+                 "point; roughness, height, metallic, ao, normal (OpenGL's) or normal-dx "
+                 "(DirectX's); can be repeated. auto: those beside the swatch by the usual names")
+      ->allow_extra_args(false);
   app.add_flag("--ascii", a.ascii, "write the PLY as text");
   app.add_flag("--source-map", a.exported.sourceMap,
                "also write swatch, texel, frame, patch, state, error and order of every point");
@@ -101,6 +108,39 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
+SwatchReference referenceOf(const TextureArguments& a) {
+  SwatchReference reference{.path = a.swatch};
+  ChannelPaths named, beside;
+  for (const std::string& text : a.channels) {
+    if (text == "auto") {
+      beside = findChannels(a.swatch);
+      continue;
+    }
+    const std::size_t equals = text.find('=');
+    if (equals == text.npos || equals + 1 == text.size())
+      throw InvalidInput(
+          fmt::format("--channel: '{}' is not allowed; give KIND=IMAGE, or auto", text));
+    std::string kind = text.substr(0, equals);
+    named.greenDown |= kind == "normal-dx";
+    if (kind == "normal-dx") kind = "normal";
+    named[channelNamed(kind)] = text.substr(equals + 1);
+  }
+  reference.channels = beside;
+  if (!named[Channel::Normal].empty()) reference.channels.greenDown = named.greenDown;
+  for (std::size_t c = 0; c < kChannels; ++c)
+    if (!named.paths[c].empty()) reference.channels.paths[c] = named.paths[c];
+  return reference;
+}
+
+RecordTable tableOf(const PreparedScan& prepared, const SourceMap& map, const ResultSource& source,
+                    const ExportOptions& options, Monitor& monitor) {
+  RecordTable table = texturedTable(prepared.scan, map, options);
+  if (source.maps)
+    addChannels(table, prepared.scan,
+                channelsOf(map, source, prepared.scan.points.normals, monitor));
+  return table;
+}
+
 void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
   TextureOptions options = common.table;
   if (a.zUp && options.up == TextureOptions{}.up) options.up = vec3(0, 0, 1);
@@ -109,8 +149,13 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
   exportFormat(a.output);
   if (!a.picture.empty()) checkImageName(a.picture);
-  const Swatch swatch =
-      makeSwatch(readImage(a.swatch), options.tileable, stackLevels(options), a.swatch);
+  ResultSource source{.reference = referenceOf(a)};
+  const Image image = readImage(a.swatch);
+  source.maps = readMaps(source.reference, image, [](const auto& path) { return readImage(path); });
+  const auto made = std::make_shared<const Swatch>(
+      makeSwatch(image, options.tileable, stackLevels(options), a.swatch));
+  source.swatch = made;
+  const Swatch& swatch = *made;
   const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, monitor);
   const TexturedPoints textured = texturePoints(prepared, swatch, options, monitor);
   std::optional<TextureScore> score;
@@ -124,7 +169,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                          .frames = options.randomDirections ? nullptr : &textured.frames},
                         monitor);
   const auto saving = std::chrono::steady_clock::now();
-  exportTable(a.output, texturedTable(prepared.scan, textured.map, a.exported), a.ascii, monitor);
+  exportTable(a.output, tableOf(prepared, textured.map, source, a.exported, monitor), a.ascii,
+              monitor);
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);

@@ -92,6 +92,9 @@ void SceneView::follow(std::shared_ptr<const Snapshot> snapshot, const ViewSetti
     return !snapshot_ || snapshot_->of(part) != snapshot->of(part);
   };
   const bool regions = changed(Part::Labels) || changed(Part::Regions);
+  if (changed(Part::Scan) || changed(Part::Regions) || changed(Part::Colour) ||
+      changed(Part::Texel))
+    channels_ = {}, channelsKnown_ = false;
   stale_ |= !(settings == settings_) || changed(Part::Colour) || changed(Part::Labels) ||
             changed(Part::Selection) || changed(Part::Regions) || changed(Part::State) ||
             changed(Part::Preview);
@@ -182,7 +185,14 @@ void SceneView::recolour() {
   const Results& results = document.results;
   const bool preview = snapshot_->previewColour != nullptr;
   const std::vector<vec3> shown = preview ? *snapshot_->previewColour : shownColours(document);
-  std::vector<Index> patches;
+  if (isChannel(settings_.show) && !channelsKnown_) {
+    Monitor monitor(workers_);
+    channels_ = channelsOf(document, monitor);
+    channelsKnown_ = true;
+  }
+  const auto scalar = [&](Channel channel) -> std::span<const float> {
+    return channels_.scalar[static_cast<std::size_t>(channel)];
+  };
   const ViewColumns columns{
       .colours = shown,
       .normals = document.points().normals,
@@ -190,7 +200,12 @@ void SceneView::recolour() {
       .patch = spanOf(results.patch),
       .error = spanOf(results.error),
       .order = spanOf(results.order),
-      .texel = spanOf(results.texel)};
+      .texel = spanOf(results.texel),
+      .roughness = scalar(Channel::Roughness),
+      .height = scalar(Channel::Height),
+      .metallic = scalar(Channel::Metallic),
+      .occlusion = scalar(Channel::Occlusion),
+      .mappedNormals = channels_.normal};
   missing_.clear();
   legend_.reset();
   if (settings_.show == View::Regions) {

@@ -11,6 +11,7 @@
 #include "app/render/orbit_camera.h"
 #include "app/render/picking.h"
 #include "app/render/views.h"
+#include "document/channels.h"
 #include "document/engine.h"
 
 namespace dapple {
@@ -105,6 +106,8 @@ class SceneView {
   std::vector<float> radii_;    // as drawn: 0 in hidden regions
   std::vector<vec3> colours_;
   PlainPoints plain_;
+  PointChannels channels_;  // of the snapshot's results, made when a view asks for them
+  bool channelsKnown_ = false;
   std::vector<Index> pending_, regions_;
   std::optional<HeatRange> legend_;
   std::string missing_;

@@ -25,6 +25,11 @@ constexpr NamedView kViews[] = {
     {"order", View::Order, "what was decided first, and last"},
     {"regions", View::Regions, "the regions"},
     {"coordinates", View::Coordinates, "the place in the swatch: red to the right, green down"},
+    {"roughness", View::Roughness, "the swatches' roughness"},
+    {"height", View::Height, "the swatches' height"},
+    {"metallic", View::Metallic, "where the swatches are of metal"},
+    {"ao", View::Occlusion, "the swatches' ambient occlusion"},
+    {"mapped-normals", View::MappedNormals, "the directions that the swatches' normal maps give"},
 };
 
 constexpr vec3 kUnknown{0.75f, 0.75f, 0.75f};
@@ -70,7 +75,9 @@ std::span<const T> known(std::span<const T> column, std::string_view name) {
         "There is nothing to show as '{}': these points have no such column. Show 'colour', or "
         "give a scan that {}.",
         name,
-        name == "regions" ? "has a vertex property 'region'" : "was textured with --source-map"));
+        name == "regions"            ? "has a vertex property 'region'"
+        : isChannel(viewNamed(name)) ? "was textured with --channel"
+                                     : "was textured with --source-map"));
   return column;
 }
 
@@ -121,6 +128,10 @@ ViewColours heatMap(std::span<const T> column) {
     return heat[static_cast<std::size_t>(t * (kHeatSteps - 1) + 0.5f)];
   };
   return {mapped(column, colour), range};
+}
+
+vec3 normalColour(const vec3& n) {
+  return 0.5f * n + vec3(0.5f);
 }
 
 vec2 sizeOfSwatch(const ViewColumns& columns) {
@@ -205,14 +216,17 @@ vec3 heatColour(float t) {
   return fromLch(15 + 77 * u, 45 + 30 * u, 0.86f - 0.58f * u);
 }
 
+bool isChannel(View view) {
+  return view == View::Roughness || view == View::Height || view == View::Metallic ||
+         view == View::Occlusion || view == View::MappedNormals;
+}
+
 ViewColours viewColours(View view, const ViewColumns& columns) {
   switch (view) {
     case View::Colour:
       return {mapped(known(columns.colours, "colour"), [](const vec3& c) { return c; }), {}};
     case View::Normals:
-      return {mapped(known(columns.normals, "normals"),
-                     [](const vec3& n) { return 0.5f * n + vec3(0.5f); }),
-              {}};
+      return {mapped(known(columns.normals, "normals"), normalColour), {}};
     case View::State:
       return {mapped(known(columns.state, "state"), stateColour), {}};
     case View::Patch:
@@ -225,6 +239,16 @@ ViewColours viewColours(View view, const ViewColumns& columns) {
       return {mapped(known(columns.region, "regions"), regionColour), {}};
     case View::Coordinates:
       return coordinates(columns);
+    case View::Roughness:
+      return heatMap(known(columns.roughness, "roughness"));
+    case View::Height:
+      return heatMap(known(columns.height, "height"));
+    case View::Metallic:
+      return heatMap(known(columns.metallic, "metallic"));
+    case View::Occlusion:
+      return heatMap(known(columns.occlusion, "ao"));
+    case View::MappedNormals:
+      return {mapped(known(columns.mappedNormals, "mapped-normals"), normalColour), {}};
   }
   throw Bug("no such view");
 }

@@ -12,7 +12,21 @@
 
 namespace dapple {
 
-enum class View { Colour, Normals, State, Patch, Distortion, Order, Regions, Coordinates };
+enum class View {
+  Colour,
+  Normals,
+  State,
+  Patch,
+  Distortion,
+  Order,
+  Regions,
+  Coordinates,
+  Roughness,
+  Height,
+  Metallic,
+  Occlusion,
+  MappedNormals
+};
 
 // The one list of views, for window, command line and help.
 struct NamedView {
@@ -37,12 +51,18 @@ struct ViewColumns {
   std::span<const Index> region;  // kNone: in no region
   std::span<const vec2> texel;    // swatch pixels; where state is Free, or NaN: none
   ivec2 swatchSize{0};            // pixels; 0: not known, then the largest texel is taken for it
+  // Material channels (document/channels.h); not finite: none.
+  std::span<const float> roughness, height, metallic, occlusion;
+  std::span<const vec3> mappedNormals;  // unit length
 };
 
 // What the two ends of the heat map's colours stand for.
 struct HeatRange {
   float low = 0, high = 0;
 };
+
+// Whether a view is of a material channel.
+bool isChannel(View view);
 
 struct ViewColours {
   std::vector<vec3> colours;  // n, 0..1

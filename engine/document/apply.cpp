@@ -6,7 +6,7 @@
 #include "base/errors.h"
 #include "document/border_blend.h"
 #include "document/edits.h"
-#include "document/export_format.h"
+#include "document/export.h"
 #include "document/project_io.h"
 #include "document/region_synthesis.h"
 
@@ -144,19 +144,6 @@ Change segmented(const Document& document, const SegmentAutomatically& command, 
     out.labels = next.labels;
     return out;
   };
-}
-
-void exportScan(const Document& document, const ExportScan& command, Monitor& monitor) {
-  needScan(document);
-  exportFormat(command.path);
-  const SourceMap map = wholeMap(document);
-  RecordTable table =
-      texturedTable(document.scan->prepared.scan, map, command.options, *document.results.source);
-  for (std::size_t s = 0; s < document.results.sources.size(); ++s)
-    table.comments.push_back(
-        fmt::format("dapple swatch {} {}", s, document.results.sources[s]->reference.path));
-  monitor.begin(Stage::Save, document.size());
-  exportTable(command.path, table, command.ascii, monitor);
 }
 
 std::string nameOf(const Document& document, RegionId id) {
@@ -333,6 +320,7 @@ Change compute(const Document& document, const Command& command, const CommandCo
                 return nothing();
               },
               [&](const ExportScan& c) {
+                needScan(document);
                 exportScan(document, c, monitor);
                 return nothing();
               },

@@ -74,6 +74,9 @@ struct SetSwatch {
   RegionId region;
   SwatchReference reference;  // an empty path: no swatch
   unsigned gesture = 0;       // as SetRegion's
+  // Channels that the reference does not name are looked for beside the swatch
+  // (material_maps.h); what is found and does not fit is noted, not refused.
+  bool findChannels = true;
 };
 struct AddStroke {
   RegionId region;

@@ -42,6 +42,10 @@ std::size_t bytesOf(const Swatch& swatch) {
   return sum;
 }
 
+void note(std::vector<MemoryBlock>& blocks, const std::shared_ptr<const MaterialMaps>& maps) {
+  if (maps) blocks.push_back({maps.get(), maps->bytes()});
+}
+
 void note(std::vector<MemoryBlock>& blocks, const std::shared_ptr<const Swatch>& swatch) {
   if (swatch) blocks.push_back({swatch.get(), bytesOf(*swatch)});
 }
@@ -73,7 +77,7 @@ bool sameStrokes(const Column<Stroke>& a, const Column<Stroke>& b) {
 bool sameRegion(const Region& a, const Region& b) {
   return a.id == b.id && a.name == b.name && a.colour == b.colour && a.visible == b.visible &&
          a.locked == b.locked && a.reference == b.reference && !a.swatch == !b.swatch &&
-         sameOptions(a.options, b.options) && a.rotation == b.rotation &&
+         !a.maps == !b.maps && sameOptions(a.options, b.options) && a.rotation == b.rotation &&
          a.borderWidth == b.borderWidth && sameStrokes(a.strokes, b.strokes);
 }
 
@@ -196,6 +200,7 @@ std::vector<MemoryBlock> memoryBlocks(const Document& document) {
   for (const Region& region : *document.regions) {
     if (region.image) blocks.push_back({region.image.get(), bytesOf(region.image->pixels)});
     note(blocks, region.swatch);
+    note(blocks, region.maps);
     note(blocks, region.strokes);
     if (!region.strokes) continue;
     for (const Stroke& stroke : *region.strokes)
@@ -219,6 +224,7 @@ std::vector<MemoryBlock> memoryBlocks(const Document& document) {
     blocks.push_back({source.get(), bytesOf(source->blended) + bytesOf(source->blendEnd) +
                                         bytesOf(source->blend)});
     note(blocks, source->swatch);
+    note(blocks, source->maps);
   }
   return blocks;
 }

@@ -32,7 +32,8 @@ struct Region {
   bool locked = false;  // its points stay its own and as they are
   SwatchReference reference;
   std::shared_ptr<const Image> image;  // cropped; null: none, or not found when the project opened
-  std::shared_ptr<const Swatch> swatch;  // of image
+  std::shared_ptr<const Swatch> swatch;      // of image
+  std::shared_ptr<const MaterialMaps> maps;  // of the same place; null: none
   TextureOptions options;
   double rotation = 0;     // of the swatch, degrees, counter-clockwise seen from outside
   double borderWidth = 0;  // over which it blends into its neighbours, mean point spacings
@@ -61,7 +62,8 @@ std::vector<Index> pointsOf(const Document& document, RegionId id);
 std::vector<vec3> shownColours(const Document& document);
 
 // The results as one map, for what reads a whole scan at once (export). Its scale is that of the
-// largest source. Throws InvalidInput when nothing is synthesized.
+// largest source; its blends are those of gaps, not of borders (gatherTerms() has all). Throws
+// InvalidInput when nothing is synthesized.
 SourceMap wholeMap(const Document& document);
 
 // The heap blocks that a document holds; the same block has the same address in all that share it.

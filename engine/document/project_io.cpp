@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
+#include "document/channels.h"
 #include "document/edits.h"
 #include "document/options_table.h"
 #include "document/project_borders.h"
@@ -136,9 +137,23 @@ std::vector<fs::path> placesOf(const json& from, const fs::path& project) {
   return places;
 }
 
+// The first of them that is there; else the last.
+std::string placeOf(const json& from, const fs::path& project) {
+  const std::vector<fs::path> places = placesOf(from, project);
+  const auto there = std::find_if(places.begin(), places.end(), [](const fs::path& place) {
+    std::error_code ignored;
+    return fs::exists(place, ignored);
+  });
+  return (there == places.end() ? places.back() : *there).string();
+}
+
 json swatchJson(const SwatchReference& reference, const fs::path& project) {
   if (reference.path.empty()) return nullptr;
   json out = pathJson(reference.path, project);
+  for (std::size_t c = 0; c < kChannels; ++c)
+    if (const std::string& path = reference.channels.paths[c]; !path.empty())
+      out["channels"][std::string(channelName(static_cast<Channel>(c)))] = pathJson(path, project);
+  if (reference.channels.greenDown) out["greenDown"] = true;
   if (const auto& crop = reference.crop)
     out["crop"] = {crop->x, crop->y, crop->width, crop->height};
   return out;
@@ -147,12 +162,11 @@ json swatchJson(const SwatchReference& reference, const fs::path& project) {
 SwatchReference swatchReference(const json& from, const fs::path& project) {
   SwatchReference out;
   if (from.is_null()) return out;
-  const std::vector<fs::path> places = placesOf(from, project);
-  const auto there = std::find_if(places.begin(), places.end(), [](const fs::path& place) {
-    std::error_code ignored;
-    return fs::exists(place, ignored);
-  });
-  out.path = (there == places.end() ? places.back() : *there).string();
+  out.path = placeOf(from, project);
+  if (const auto channels = from.find("channels"); channels != from.end())
+    for (const auto& [name, path] : channels->items())
+      out.channels[channelNamed(name)] = placeOf(path, project);
+  out.channels.greenDown = from.value("greenDown", false);
   if (const auto at = from.find("crop"); at != from.end())
     out.crop = PixelRect{at->at(0), at->at(1), at->at(2), at->at(3)};
   return out;
@@ -293,9 +307,17 @@ Column<Region> readRegions(const json& settings, const OpenProject& command,
       refuse(command.path, fmt::format("two regions have the id {}", region.id));
     if (!region.reference.path.empty()) try {
         DAPPLE_CHECK(static_cast<bool>(context.readImage), ==, true);
-        region.image = std::make_shared<const Image>(
-            cropped(context.readImage(region.reference.path), region.reference));
+        const Image whole = context.readImage(region.reference.path);
+        region.image = std::make_shared<const Image>(cropped(whole, region.reference));
         region.swatch = swatchFor(region);
+        region.maps = readMaps(region.reference, whole, context.readImage,
+                               [&](Channel channel, const std::string& why) {
+                                 if (context.note)
+                                   context.note(
+                                       fmt::format("The {} map of region '{}' is not "
+                                                   "available: {}",
+                                                   channelName(channel), region.name, why));
+                               });
       } catch (const std::runtime_error& error) {
         region.image = nullptr;
         if (context.note)
@@ -348,14 +370,15 @@ void readBlends(const Columns& columns, std::vector<ResultSource>& sources, std:
   }
 }
 
-// The swatch that a source was made from, when a region still has it.
-std::shared_ptr<const Swatch> swatchOf(const ResultSource& source,
-                                       const std::vector<Region>& regions) {
+// Gives a source the swatch that it was made from, when a region still has it.
+void findSwatch(ResultSource& source, const std::vector<Region>& regions) {
   for (const Region& region : regions)
-    if (region.swatch && region.reference == source.reference &&
-        region.options.tileable == source.options.tileable)
-      return region.swatch;
-  return nullptr;
+    if (region.swatch && sameImage(region.reference, source.reference) &&
+        region.options.tileable == source.options.tileable) {
+      source.swatch = region.swatch;
+      source.maps = region.maps;
+      return;
+    }
 }
 
 Results readResults(const json& settings, const RecordTable& table, const Document& document,
@@ -367,7 +390,7 @@ Results readResults(const json& settings, const RecordTable& table, const Docume
   for (const json& from : settings.at("sources")) sources.push_back(checked(file, sourceOf, from));
   readBlends(Columns(file, table, "blend"), sources, points.count(), file);
   for (ResultSource& source : sources) {
-    source.swatch = swatchOf(source, *document.regions);
+    findSwatch(source, *document.regions);
     results.sources.push_back(std::make_shared<const ResultSource>(std::move(source)));
   }
   results.source = points.read<std::uint16_t, std::uint16_t>({"source"});

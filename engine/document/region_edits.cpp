@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "document/channels.h"
 #include "document/edits.h"
 #include "document/options_table.h"
 
@@ -74,6 +75,28 @@ Document withStrokes(const Document& document, RegionId id, std::vector<Stroke> 
   Region region = regionOf(document, id);
   region.strokes = strokes.empty() ? nullptr : shared(std::move(strokes));
   return withRegion(document, positionOf(document, id), std::move(region));
+}
+
+// What is named must fit; what is found may.
+void attachChannels(Region& region, const Image& whole, const SetSwatch& command,
+                    const CommandContext& context) {
+  ChannelPaths& named = region.reference.channels;
+  region.maps = readMaps(region.reference, whole, context.readImage);
+  if (!command.findChannels) return;
+  const ChannelPaths beside = findChannels(region.reference.path);
+  if (named[Channel::Normal].empty()) named.greenDown = beside.greenDown;
+  bool found = false;
+  for (std::size_t c = 0; c < kChannels; ++c)
+    if (named.paths[c].empty() && !beside.paths[c].empty())
+      named.paths[c] = beside.paths[c], found = true;
+  if (!found) return;
+  region.maps = readMaps(
+      region.reference, whole, context.readImage, [&](Channel channel, const std::string& why) {
+        named[channel].clear();
+        if (context.note)
+          context.note(fmt::format("The {} map beside the swatch is left out: {}",
+                                   channelName(channel), why));
+      });
 }
 
 // Labels with the points of `mask` at `region`, but for points of locked regions.
@@ -226,11 +249,13 @@ Document edited(const Document& document, const SetSwatch& command, const Comman
   region.reference = command.reference;
   region.image = nullptr;
   region.swatch = nullptr;
+  region.maps = nullptr;
   if (!command.reference.path.empty()) {
     DAPPLE_CHECK(static_cast<bool>(context.readImage), ==, true);
-    region.image = std::make_shared<const Image>(
-        cropped(context.readImage(command.reference.path), command.reference));
+    const Image whole = context.readImage(command.reference.path);
+    region.image = std::make_shared<const Image>(cropped(whole, command.reference));
     region.swatch = swatchFor(region);
+    attachChannels(region, whole, command, context);
   }
   return withRegion(document, positionOf(document, command.region), std::move(region));
 }

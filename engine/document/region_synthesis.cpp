@@ -91,19 +91,10 @@ std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
   source->region = region.id;
   source->reference = region.reference;
   source->swatch = region.swatch;
+  source->maps = region.maps;
   source->options = region.options;
   source->unit = unit;
   return source;
-}
-
-void noteBlends(const SourceMap& map, std::span<const Index> ids, ResultSource& source) {
-  if (map.blendOffset.empty()) return;
-  source.blend = map.blend;
-  for (std::size_t i = 0; i + 1 < map.blendOffset.size(); ++i) {
-    if (map.blendOffset[i] == map.blendOffset[i + 1]) continue;
-    source.blended.push_back(ids.empty() ? static_cast<Index>(i) : ids[i]);
-    source.blendEnd.push_back(map.blendOffset[i + 1]);
-  }
 }
 
 void checkReady(const Region& region, std::size_t points) {

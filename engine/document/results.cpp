@@ -37,6 +37,36 @@ void gatherTerms(const Results& results, Index point, std::vector<SourceTerm>& t
   if (blend.empty()) terms.push_back({s, (*results.texel)[point], up, own});
 }
 
+void noteBlends(const SourceMap& map, std::span<const Index> ids, ResultSource& source) {
+  if (map.blendOffset.empty()) return;
+  source.blend = map.blend;
+  for (std::size_t i = 0; i + 1 < map.blendOffset.size(); ++i) {
+    if (map.blendOffset[i] == map.blendOffset[i + 1]) continue;
+    source.blended.push_back(ids.empty() ? static_cast<Index>(i) : ids[i]);
+    source.blendEnd.push_back(map.blendOffset[i + 1]);
+  }
+}
+
+Results resultsOf(const SourceMap& map, const ResultSource& source) {
+  const auto column = [](const auto& values) {
+    return std::make_shared<const std::remove_cvref_t<decltype(values)>>(values);
+  };
+  auto from = std::make_shared<ResultSource>(source);
+  from->blended.clear(), from->blendEnd.clear(), from->blend.clear();
+  noteBlends(map, {}, *from);
+  Results out;
+  out.source = column(std::vector<std::uint16_t>(map.texel.size(), 0));
+  out.texel = column(map.texel);
+  out.frame = column(map.frame);
+  out.colour = column(map.colour);
+  out.state = column(map.state);
+  out.patch = column(map.patch);
+  out.error = column(map.error);
+  out.order = column(map.order);
+  out.sources.push_back(std::move(from));
+  return out;
+}
+
 void dropUnusedSources(Results& results) {
   std::vector<std::uint16_t> next(results.sources.size(), kNoSource);
   if (results.source)

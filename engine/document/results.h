@@ -111,6 +111,12 @@ struct SourceTerm {
 // where nothing is synthesized, or a synthesis was stopped. Replaces what `terms` held.
 void gatherTerms(const Results& results, Index point, std::vector<SourceTerm>& terms);
 
+// Takes over the map's blended points; point i of the map is points[i], or i when there are none.
+void noteBlends(const SourceMap& map, std::span<const Index> points, ResultSource& source);
+
+// A map of all points as results, all from `source`, whose blends are taken from the map.
+Results resultsOf(const SourceMap& map, const ResultSource& source);
+
 // Takes out the sources that no point and no border comes from any more; with the last of them all
 // columns.
 void dropUnusedSources(Results& results);

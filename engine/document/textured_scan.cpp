@@ -80,6 +80,10 @@ RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOp
   RecordTable table = scan.table;
   Element* vertices = table.find("vertex");
   DAPPLE_CHECK(vertices != nullptr, ==, true);
+  // Of an earlier texture.
+  std::erase_if(table.elements,
+                [](const Element& element) { return element.name == kBorderElement; });
+  vertices = table.find("vertex");
   if (options.keepColours) renameColours(*vertices);
   for (int c = 0; c < 3; ++c)
     addColumn<std::uint8_t>(*vertices, scan, kColourNames[static_cast<std::size_t>(c)], 0,

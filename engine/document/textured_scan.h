@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "io/point_io.h"
 #include "synthesis/source_map.h"
@@ -12,7 +13,11 @@ namespace dapple {
 struct ExportOptions {
   bool sourceMap = false;    // also swatch, texel_x, texel_y, frame, patch, state, error, order
   bool keepColours = false;  // the scan's own colours stay, as original_red ...
+  bool channels = true;      // also the material channels that the swatches have (channels.h)
 };
+
+// Of a file with a source map and blended borders: the texels that border points mix (export.h).
+inline constexpr std::string_view kBorderElement = "dapple_blend";
 
 // scan.table with the result's colours (red green blue, 8 bits) and the unit in a comment. Records
 // that were set aside are black when they have no position, else coloured as their twin.

@@ -168,16 +168,13 @@ std::size_t MaterialMaps::bytes() const {
   return sum;
 }
 
-void addMap(MaterialMaps& maps, Channel channel, const MapImage& from,
-            const std::string& swatchFile) {
-  const Image& image = from.image;
-  if (image.width != maps.width || image.height != maps.height)
-    throw InvalidInput(fmt::format(
-        "{}: {} x {} pixels, but its swatch {} has {} x {}; give images of the same size",
-        from.file, image.width, image.height, swatchFile, maps.width, maps.height));
+void addMap(MaterialMaps& maps, Channel channel, const Image& image, const std::string& file,
+            bool greenDown) {
+  DAPPLE_CHECK(image.width, ==, maps.width);
+  DAPPLE_CHECK(image.height, ==, maps.height);
   if (channel == Channel::Normal && image.channels < 3)
     throw InvalidInput(fmt::format("{}: a normal map has three channels, not {}; save it as RGB",
-                                   from.file, image.channels));
+                                   file, image.channels));
   const auto pixels =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   const auto step = static_cast<std::size_t>(image.channels);
@@ -191,7 +188,7 @@ void addMap(MaterialMaps& maps, Channel channel, const MapImage& from,
   for (std::size_t p = 0; p < pixels; ++p) {
     const float* rgb = image.pixels.data() + p * step;
     vec3 n = 2.f * vec3(rgb[0], rgb[1], rgb[2]) - 1.f;
-    if (from.greenDown) n.y = -n.y;
+    if (greenDown) n.y = -n.y;
     maps.normal[p] = n;
   }
 }

@@ -4,8 +4,6 @@
 
 #include <array>
 #include <filesystem>
-#include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,17 +49,10 @@ struct MaterialMaps {
   std::size_t bytes() const;
 };
 
-// The image of a channel, as it was read.
-struct MapImage {
-  const Image& image;
-  std::string file;
-  bool greenDown = false;  // of a normal map
-};
-
-// One of the maps: an image's first channel, or its normal. Throws InvalidInput when its size is
-// not that of the maps; the message names both files.
-void addMap(MaterialMaps& maps, Channel channel, const MapImage& from,
-            const std::string& swatchFile);
+// Puts the image of a channel, of the size that the maps have, into its place: its first channel,
+// or as a normal. Throws InvalidInput when it is no normal map; `file` is for the message.
+void addMap(MaterialMaps& maps, Channel channel, const Image& image, const std::string& file,
+            bool greenDown);
 
 // Bilinear, wrapped when `tileable`, else clamped. The channel is there.
 float sampleScalar(const MaterialMaps& maps, Channel channel, vec2 texel, bool tileable);
