@@ -234,3 +234,40 @@ TEST_CASE("a scan is segmented into as many parts as asked for") {
   desk.rest();
   desk.save("segmented");
 }
+
+TEST_CASE("a material map is chosen for the swatch, shown, exported and taken off") {
+  Desk desk(1, kWidth, kHeight, true);
+  textured(desk);
+  const Document plain = desk.document();
+  const auto folder = std::filesystem::temp_directory_path() / "dapple_maps_test";
+  std::filesystem::create_directories(folder);
+  Image rough{144, 128, 1, std::vector<float>(144 * 128, 0.25f)};
+  for (int y = 0; y < 128; ++y) rough.at(7, y, 0) = 0.75f;
+  writeImage(folder / "rough.png", rough);
+  desk.gui.click("swatch.maps");
+  desk.gui.settle();
+  desk.gui.click("map.roughness");
+  desk.gui.settle();
+  REQUIRE(desk.gui.has("files.field"));
+  desk.gui.fill("files.field", (folder / "rough.png").string());
+  desk.gui.click("files.accept");
+  desk.rest();
+  REQUIRE(first(desk).maps);
+  // Nothing was synthesized again for it.
+  CHECK(desk.document().results.texel == plain.results.texel);
+  desk.gui.key(letterKey('K'), kCtrl);
+  desk.gui.type("Show roughness");
+  desk.gui.key(Key::enter);
+  desk.rest();
+  CHECK(desk.gui.has("legend"));
+  desk.save("roughness");
+  desk.gui.key(letterKey('E'), kCtrl);
+  desk.gui.settle();
+  CHECK(desk.gui.has("export.channels"));
+  desk.gui.click("export.cancel");
+  desk.gui.settle();
+  desk.gui.click("map.roughness.remove");
+  desk.rest();
+  CHECK_FALSE(first(desk).maps);
+  std::filesystem::remove_all(folder);
+}

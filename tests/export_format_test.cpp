@@ -61,17 +61,21 @@ TEST_CASE("OBJ and XYZ give back the points, normals, colours and faces that the
 TEST_CASE("what an export loses is told, line by line") {
   const Folder folder;
   const Scan scan = load(folder.write("in.ply", kMesh));
-  const auto tells = [&](ScanFormat format, const ExportOptions& options, std::string_view what) {
-    const auto lines = exportLosses(format, scan, options);
+  const auto tells = [&](ScanFormat format, const ExportOptions& options, std::string_view what,
+                         bool maps = false) {
+    const auto lines = exportLosses(format, scan, options, maps);
     return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
       return line.find(what) != std::string::npos;
     });
   };
-  CHECK(exportLosses(ScanFormat::Ply, scan, {.sourceMap = true, .keepColours = true}).empty());
+  CHECK(
+      exportLosses(ScanFormat::Ply, scan, {.sourceMap = true, .keepColours = true}, true).empty());
   CHECK(tells(ScanFormat::Ply, {.sourceMap = true}, "own colours"));
   CHECK(tells(ScanFormat::Ply, {}, "swatch"));
   CHECK(tells(ScanFormat::Obj, {.sourceMap = true, .keepColours = true}, "quality"));
   CHECK(tells(ScanFormat::Obj, {.keepColours = true}, "own colours"));
   CHECK_FALSE(tells(ScanFormat::Obj, {}, "faces"));
   CHECK(tells(ScanFormat::Xyz, {}, "2 faces"));
+  CHECK(tells(ScanFormat::Obj, {}, "channels", true));
+  CHECK_FALSE(tells(ScanFormat::Obj, {}, "channels"));
 }

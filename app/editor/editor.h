@@ -51,7 +51,7 @@ class Editor {
 
  private:
   struct Layout;
-  enum class Asking { Nothing, Scan, Swatch, Project, SaveProject, Export };
+  enum class Asking { Nothing, Scan, Swatch, Project, SaveProject, Export, Map };
 
   // editor_actions.cpp
   void addActions();
@@ -130,6 +130,7 @@ class Editor {
   RegionId chosen_ = kUnassigned;
   RegionPanel regionPanel_;
   SwatchPanel swatchPanel_;
+  Channel askedMap_ = Channel::Roughness;  // for which a file is being chosen
   std::optional<StrokeId> stroke_;         // chosen
   std::optional<RegionSettings> editing_;  // until the engine has them
   unsigned gesture_ = 0;                   // since the mouse button went down

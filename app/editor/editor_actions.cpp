@@ -52,6 +52,11 @@ void Editor::ask(Asking what) {
       question = {
           .title = "Choose a swatch", .folder = options_.assets / "swatches", .kinds = kSwatches};
       break;
+    case Asking::Map:
+      question = {.title = fmt::format("Choose the {} map", channelName(askedMap_)),
+                  .folder = std::filesystem::path(chosen().reference.path).parent_path(),
+                  .kinds = kSwatches};
+      break;
     case Asking::Project:
       question = {.title = "Open project", .kinds = kProjects};
       break;
@@ -79,6 +84,10 @@ void Editor::answered(const std::filesystem::path& path) {
     ExportScan command = export_.command();
     command.path = path.string();
     engine_.submit(command);
+  } else if (asking_ == Asking::Map) {
+    SetSwatch set{.region = chosen().id, .reference = chosen().reference};
+    set.reference.channels[askedMap_] = path.string();
+    engine_.submit(set);
   } else {
     open(path);
   }

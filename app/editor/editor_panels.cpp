@@ -152,6 +152,10 @@ void Editor::swatchPanel() {
   if (!sectionHeader("Swatch", true, "panel.swatch")) return;
   RegionSettings settings = settingsShown();
   if (swatchPanel_.draw(chosen(), settings, library_, engine_)) changeSettings(settings);
+  if (const auto channel = swatchPanel_.takeAsked()) {
+    askedMap_ = *channel;
+    ask(Asking::Map);
+  }
   actionTextButton(actions_, "region.swatch", false, -1);
 }
 

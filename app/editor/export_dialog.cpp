@@ -1,5 +1,6 @@
 #include "app/editor/export_dialog.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/gui/gui_context.h"
@@ -27,6 +28,14 @@ constexpr FormatRow kFormats[] = {
      "Positions, normals, colours and faces, as text."},
     {ScanFormat::Xyz, "XYZ", "export.format.xyz", "Positions, normals and colours, as text."},
 };
+
+bool hasChannels(const Document& document) {
+  const auto& sources = document.results.sources;
+  return std::any_of(sources.begin(), sources.end(),
+                     [](const auto& source) { return source->maps != nullptr; }) ||
+         std::any_of(document.regions->begin(), document.regions->end(),
+                     [](const Region& region) { return region.maps != nullptr; });
+}
 
 // A modal in the middle of the window with a title.
 struct Dialog {
@@ -79,7 +88,8 @@ void ExportDialog::formatRows() {
 }
 
 void ExportDialog::losses(const Document& document) const {
-  const auto lines = exportLosses(format_, document.scan->prepared.scan, options_);
+  const auto lines =
+      exportLosses(format_, document.scan->prepared.scan, options_, hasChannels(document));
   ImGui::Dummy(px(0, theme::kGapSmall));
   heading(lines.empty() ? "Nothing is lost." : "Not in the file");
   for (const std::string& line : lines) mutedTextWrapped(line);
@@ -95,6 +105,7 @@ bool ExportDialog::draw(const Document& document) {
     tooltip("Swatch, texel, frame, patch, state, error and order of each point");
     if (!document.points().colours.empty())
       toggle("The scan's own colours, too", options_.keepColours, "export.keep-colours");
+    if (hasChannels(document)) toggle("Material channels", options_.channels, "export.channels");
     toggle("As text", ascii_, "export.ascii");
   }
   losses(document);

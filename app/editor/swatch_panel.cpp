@@ -16,10 +16,11 @@ namespace {
 
 using theme::px;
 
-constexpr float kSide = 58;       // logical pixels, of a thumbnail of the library
-constexpr float kPicture = 132;   // logical pixels, of its longer side
-constexpr float kGripRadius = 7;  // logical pixels
-constexpr int kSmallestCrop = 8;  // pixels of the image
+constexpr float kSide = 58;                       // logical pixels, of a thumbnail of the library
+constexpr float kPicture = 132;                   // logical pixels, of its longer side
+constexpr float kGripRadius = 7;                  // logical pixels
+constexpr float kMapLabel = 84, kSmallIcon = 22;  // logical pixels
+constexpr int kSmallestCrop = 8;                  // pixels of the image
 constexpr double kWidestBorder = 30;
 
 bool near(ImVec2 a, ImVec2 b, float distance) {
@@ -135,7 +136,8 @@ void SwatchPanel::picture(const Region& region, const SwatchLibrary::Entry& entr
   const auto take = [&](std::optional<PixelRect> part) {
     SwatchReference reference = region.reference;
     reference.crop = part;
-    if (!(reference == region.reference)) engine.submit(SetSwatch{region.id, reference});
+    if (!(reference == region.reference))
+      engine.submit(SetSwatch{.region = region.id, .reference = reference});
   };
   if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(0)) {
     take(std::nullopt);
@@ -163,7 +165,7 @@ void SwatchPanel::grid(const Region& region, const SwatchLibrary& library, Engin
     if (k++ % columns != 0) ImGui::SameLine(0, space);
     const scope::Id id(entry.path.c_str());
     if (ImGui::InvisibleButton("swatch", {side, side}))
-      engine.submit(SetSwatch{region.id, {entry.path.string(), {}}});
+      engine.submit(SetSwatch{.region = region.id, .reference = {.path = entry.path.string()}});
     markItem(fmt::format("swatch.{}", entry.path.stem().string()));
     tooltip(entry.path.filename().string());
     const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
@@ -174,6 +176,39 @@ void SwatchPanel::grid(const Region& region, const SwatchLibrary& library, Engin
     if (taken || ImGui::IsItemHovered())
       list->AddRect(min, max, theme::packed(taken ? theme::kAccent : theme::kLineStrong),
                     px(theme::kRadius), 0, px(taken ? 2.5f : 1.5f));
+  }
+}
+
+// The further maps of the swatch: which file each is, a way to choose it and to take it off.
+void SwatchPanel::channels(const Region& region, Engine& engine) {
+  if (!ImGui::TreeNodeEx("Material maps", ImGuiTreeNodeFlags_NoTreePushOnOpen)) {
+    markItem("swatch.maps");
+    return;
+  }
+  markItem("swatch.maps");
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const auto channel = static_cast<Channel>(c);
+    const std::string name(channelName(channel)), path = region.reference.channels[channel];
+    const scope::Id id(name.c_str());
+    ImGui::AlignTextToFramePadding();
+    mutedText(name);
+    ImGui::SameLine(px(kMapLabel));
+    const float remove = path.empty() ? 0 : px(kSmallIcon + theme::kGapSmall);
+    const std::string file =
+        path.empty() ? "Choose..." : std::filesystem::path(path).filename().string();
+    if (textButton(file.c_str(), ButtonKind::quiet, Icon::none,
+                   ImGui::GetContentRegionAvail().x - remove, "map." + name))
+      asked_ = channel;
+    if (path.empty()) continue;
+    tooltip(path);
+    ImGui::SameLine(0, px(theme::kGapSmall));
+    if (iconButton(
+            {.icon = Icon::close, .id = "remove", .tooltip = "Take off", .size = kSmallIcon})) {
+      SetSwatch set{.region = region.id, .reference = region.reference, .findChannels = false};
+      set.reference.channels[channel].clear();
+      engine.submit(set);
+    }
+    markItem("map." + name + ".remove");
   }
 }
 
@@ -188,13 +223,16 @@ bool SwatchPanel::draw(const Region& region, RegionSettings& settings, SwatchLib
       picture(region, *entry, engine);
     }
     ImGui::SameLine(px(kPicture + 2 * theme::kGap));
-    const scope::Group right;
-    const scope::ItemWidth width(ImGui::GetContentRegionAvail().x);
-    changed = sliders(settings);
+    {
+      const scope::Group right;
+      const scope::ItemWidth width(ImGui::GetContentRegionAvail().x);
+      changed = sliders(settings);
+    }
   } else {
     drag_ = {};
     mutedTextWrapped("No swatch: choose one below, or drop an image on the region.");
   }
+  if (entry) channels(region, engine);
   ImGui::Dummy(px(0, theme::kGapSmall));
   grid(region, library, engine);
   return changed;

@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <optional>
+#include <utility>
 
 #include "app/editor/swatch_library.h"
 #include "document/engine.h"
@@ -26,8 +27,11 @@ class SwatchPanel {
  public:
   // The picture with its crop, the sliders, the library. A swatch that is chosen or cropped goes to
   // the engine. True: `settings` has changed. Marks: "swatch.crop" (the picture), "swatch.scale",
-  // "swatch.rotation", "swatch.border", "swatch.whole", "swatch.NAME".
+  // "swatch.rotation", "swatch.border", "swatch.maps", "map.CHANNEL", "map.CHANNEL.remove",
+  // "swatch.NAME".
   bool draw(const Region& region, RegionSettings& settings, SwatchLibrary& library, Engine& engine);
+  // The channel for which the user wants to choose a file, since the last call.
+  std::optional<Channel> takeAsked() { return std::exchange(asked_, std::nullopt); }
 
  private:
   enum class Grip { None, New, Move, Corner };
@@ -42,7 +46,10 @@ class SwatchPanel {
   void dragCrop(const PixelRect& crop, ImVec2 mouse, float pixel, ImVec2 size);
   void grid(const Region& region, const SwatchLibrary& library, Engine& engine);
 
+  void channels(const Region& region, Engine& engine);
+
   Drag drag_;
+  std::optional<Channel> asked_;
 };
 
 }  // namespace dapple

@@ -54,8 +54,10 @@ void exportTable(const std::filesystem::path& path, const RecordTable& table, bo
 }
 
 std::vector<std::string> exportLosses(ScanFormat format, const Scan& scan,
-                                      const ExportOptions& options) {
+                                      const ExportOptions& options, bool channels) {
   std::vector<std::string> lines;
+  if (channels && (!options.channels || format != ScanFormat::Ply))
+    lines.push_back("The material channels of the swatches.");
   if (!scan.points.colours.empty() && (!options.keepColours || format != ScanFormat::Ply))
     lines.push_back("The scan's own colours: the new ones take their place.");
   if (format == ScanFormat::Ply) {

@@ -19,8 +19,9 @@ ScanFormat exportFormat(const std::filesystem::path& path);
 void exportTable(const std::filesystem::path& path, const RecordTable& table, bool ascii,
                  Monitor& monitor);
 
-// A line for everything that was opened or made and will not be in the file.
+// A line for everything that was opened or made and will not be in the file. `channels`: the
+// swatches have material channels.
 std::vector<std::string> exportLosses(ScanFormat format, const Scan& scan,
-                                      const ExportOptions& options);
+                                      const ExportOptions& options, bool channels);
 
 }  // namespace dapple

@@ -6,9 +6,14 @@
 namespace dapple {
 namespace {
 
+// Channels are attached by choosing the swatch again; no synthesis looks at them.
+bool onlyChannels(const Region& a, const Region& b) {
+  return sameImage(a.reference, b.reference) && !(a.reference == b.reference);
+}
+
 bool sameInput(const Region& a, const Region& b) {
-  return a.image == b.image && a.swatch == b.swatch && a.options == b.options &&
-         a.rotation == b.rotation && a.strokes == b.strokes;
+  const bool sameSwatch = (a.image == b.image && a.swatch == b.swatch) || onlyChannels(a, b);
+  return sameSwatch && a.options == b.options && a.rotation == b.rotation && a.strokes == b.strokes;
 }
 
 }  // namespace
