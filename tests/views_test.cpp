@@ -216,3 +216,17 @@ TEST_CASE("a picture too small for a legend stays as it is") {
   drawLegend(picture, {0, 1});
   CHECK(picture.pixels == before);
 }
+
+TEST_CASE("material channels are grey from 0 to 1, or as wide as they reach") {
+  const std::vector<float> usual{0, 0.25f, 1, std::nanf("")}, wide{-1, 0, 3};
+  const auto grey = viewColours(View::Roughness, {.roughness = usual});
+  CHECK_FALSE(grey.legend);
+  CHECK(grey.colours[0] == vec3(0));
+  CHECK(grey.colours[1] == vec3(0.25f));
+  CHECK(grey.colours[2] == vec3(1));
+  CHECK(grey.colours[3].r > 0);
+  const auto stretched = viewColours(View::Height, {.height = wide});
+  CHECK(stretched.colours[0] == vec3(0));
+  CHECK(stretched.colours[1] == vec3(0.25f));
+  CHECK(stretched.colours[2] == vec3(1));
+}

@@ -190,9 +190,10 @@ void SwatchPanel::channels(const Region& region, Engine& engine) {
     const auto channel = static_cast<Channel>(c);
     const std::string name(channelName(channel)), path = region.reference.channels[channel];
     const scope::Id id(name.c_str());
-    ImGui::AlignTextToFramePadding();
+    const ImVec2 at = ImGui::GetCursorPos();
+    ImGui::SetCursorPosY(at.y + 0.5f * (px(theme::kButtonHeight) - ImGui::GetTextLineHeight()));
     mutedText(name);
-    ImGui::SameLine(px(kMapLabel));
+    ImGui::SetCursorPos({at.x + px(kMapLabel), at.y});
     const float remove = path.empty() ? 0 : px(kSmallIcon + theme::kGapSmall);
     const std::string file =
         path.empty() ? "Choose..." : std::filesystem::path(path).filename().string();

@@ -130,6 +130,18 @@ ViewColours heatMap(std::span<const T> column) {
   return {mapped(column, colour), range};
 }
 
+// A material channel as painters know it: 0 is black, 1 is white, or the ends of a wider range.
+ViewColours greyMap(std::span<const float> column) {
+  float low = 0, high = 1;
+  for (const float v : column)
+    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+  return {mapped(column,
+                 [&](float v) {
+                   return std::isfinite(v) ? vec3((v - low) / (high - low)) : kUnknown;
+                 }),
+          std::nullopt};
+}
+
 vec3 normalColour(const vec3& n) {
   return 0.5f * n + vec3(0.5f);
 }
@@ -240,13 +252,13 @@ ViewColours viewColours(View view, const ViewColumns& columns) {
     case View::Coordinates:
       return coordinates(columns);
     case View::Roughness:
-      return heatMap(known(columns.roughness, "roughness"));
+      return greyMap(known(columns.roughness, "roughness"));
     case View::Height:
-      return heatMap(known(columns.height, "height"));
+      return greyMap(known(columns.height, "height"));
     case View::Metallic:
-      return heatMap(known(columns.metallic, "metallic"));
+      return greyMap(known(columns.metallic, "metallic"));
     case View::Occlusion:
-      return heatMap(known(columns.occlusion, "ao"));
+      return greyMap(known(columns.occlusion, "ao"));
     case View::MappedNormals:
       return {mapped(known(columns.mappedNormals, "mapped-normals"), normalColour), {}};
   }
