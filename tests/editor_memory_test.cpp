@@ -383,7 +383,7 @@ TEST_CASE("work of a process that was killed is offered at the next start and co
         return true;
     return false;
   };
-  for (int k = 0; k < 1500 && !copied(); ++k) ::usleep(20000);
+  for (int k = 0; k < 4500 && !copied(); ++k) ::usleep(20000);
   REQUIRE(copied());
   {
     Session meanwhile(home.options());  // it lives: its work is not ours

@@ -3,11 +3,12 @@
 namespace dapple {
 namespace {
 
-std::array<std::shared_ptr<const void>, 12> columnsOf(const Document& document) {
+std::array<std::shared_ptr<const void>, 13> columnsOf(const Document& document) {
   const Results& r = document.results;
   return {document.scan, document.labels, document.regions, document.selection,
           r.source,      r.texel,         r.frame,          r.colour,
-          r.state,       r.patch,         r.error,          r.order};
+          r.state,       r.patch,         r.error,          r.order,
+          r.border};
 }
 
 bool same(const std::weak_ptr<const void>& a, const std::shared_ptr<const void>& b) {

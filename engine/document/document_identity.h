@@ -19,7 +19,7 @@ class DocumentIdentity {
 
  private:
   // A weak pointer keeps the address from being used again.
-  std::array<std::weak_ptr<const void>, 12> columns_;
+  std::array<std::weak_ptr<const void>, 13> columns_;
 };
 
 }  // namespace dapple
