@@ -81,7 +81,6 @@ void Editor::Memory::openAll(const std::vector<fs::path>& paths, std::optional<R
   // What is open first, so that the swatches are for it; and one question for all.
   guarded([this, documents, swatches] {
     for (const fs::path& path : documents) editor.openDocument(path);
-    editor.choose(kUnassigned);
     swatches();
   });
 }
