@@ -31,7 +31,7 @@ struct TextureArguments {
 void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("scan", a.scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
   app.add_option("--swatch", a.swatch, "sample image, 2 to 16384 pixels a side")->required();
-  app.add_option("-o,--output", a.output, "textured scan to write (PLY)")->required();
+  app.add_option("-o,--output", a.output, "textured scan to write: .ply, .obj or .xyz")->required();
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
   app.add_option("--channel", a.channels,
