@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/errors.h"
+#include "document/live_regions.h"
 #include "document_fixtures.h"
 #include "fixtures.h"
 
@@ -233,6 +234,7 @@ TEST_CASE("channels are cropped as the swatch is, and those of a result follow t
   swatch.channels[Channel::Roughness] = "rough";
   const Document later = with(d, SetSwatch{.region = 0, .reference = swatch});
   CHECK(later.results.sources == d.results.sources);  // nothing was made again
+  CHECK(touchedRegions(d, later).empty());            // nor is to be
   const std::vector<float> values = scalar(channels(later), Channel::Roughness);
   for (Index i = 0; i < d.size(); ++i) {
     const float x = std::clamp((*d.results.texel)[i].x, 0.5f, 29.5f) + 8;

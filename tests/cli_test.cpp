@@ -659,4 +659,49 @@ TEST_CASE("--shading takes a word after it or none, wherever the scan stands") {
 }
 
 }  // namespace
+TEST_CASE("channels of a swatch are written by point, found or named, and pictured") {
+  const TemporaryFolder folder;
+  const Image colour = readImage(swatch());
+  Image roughness{.width = colour.width, .height = colour.height, .channels = 1};
+  roughness.pixels.assign(
+      static_cast<std::size_t>(colour.width) * static_cast<std::size_t>(colour.height), 0.25f);
+  Image normal{.width = colour.width, .height = colour.height, .channels = 3};
+  for (std::size_t p = 0; p < roughness.pixels.size(); ++p)
+    normal.pixels.insert(normal.pixels.end(), {0.5f, 0.5f, 1.f});
+  fs::copy_file(swatch(), folder / "stone.png");
+  writeImage(folder / "stone_rough.png", roughness, true);
+  writeImage(folder / "n.exr", normal);
+  const std::string scan = folder.write("s.xyz", xyzText(spherePoints(1000, 1)));
+  const std::string out = folder / "out.ply";
+  Run run = dapple({"texture", scan, "--swatch", folder / "stone.png", "-o", out, "--ascii",
+                    "--channel", "auto", "--channel", "normal=" + (folder / "n.exr")});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  const PlyText ply = readPlyText(out);
+  std::vector<std::string> columns;
+  for (const std::string& line : ply.header)
+    if (line.starts_with("property")) columns.push_back(wordsOf(line).back());
+  const auto at = [&](const std::string& name) {
+    const auto found = std::find(columns.begin(), columns.end(), name);
+    REQUIRE(found != columns.end());
+    return static_cast<std::size_t>(found - columns.begin());
+  };
+  const std::size_t x = at("x"), rough = at("roughness"), nx = at("mapped_nx");
+  for (std::size_t i = 0; i < ply.body.size(); ++i) {
+    const auto words = wordsOf(ply.body[i]);
+    CHECK(std::abs(std::stod(words[rough]) - 0.25) < 1e-4);
+    CHECK(std::abs(std::stod(words[nx]) - std::stod(words[x])) < 0.12);  // of a sphere of radius 1
+  }
+  run = dapple({"render", out, "-o", folder / "r.png", "--size", "64x64", "--show", "roughness"});
+  CHECK_MESSAGE(run.code == 0, run.err);
+  run = dapple({"render", out, "-o", folder / "h.png", "--size", "64x64", "--show", "height"});
+  CHECK(run.code == 2);
+  CHECK(contains(run.err, "--channel"));
+  for (const std::string& channel :
+       {std::string("shine=n.png"), std::string("roughness"), "roughness=" + (folder / "no.png"),
+        "roughness=" + asset("pictures/demo.png")})
+    CHECK(
+        dapple({"texture", scan, "--swatch", folder / "stone.png", "-o", out, "--channel", channel})
+            .code == 2);
+}
+
 }  // namespace dapple

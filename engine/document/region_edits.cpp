@@ -254,7 +254,13 @@ Document edited(const Document& document, const SetSwatch& command, const Comman
     DAPPLE_CHECK(static_cast<bool>(context.readImage), ==, true);
     const Image whole = context.readImage(command.reference.path);
     region.image = std::make_shared<const Image>(cropped(whole, command.reference));
-    region.swatch = swatchFor(region);
+    // Only channels have changed: what compares swatches by their address is to see that.
+    const Region& old = regionOf(document, command.region);
+    const bool same = old.swatch && sameImage(old.reference, region.reference) &&
+                      old.image->width == region.image->width &&
+                      old.image->pixels == region.image->pixels;
+    if (same) region.image = old.image;
+    region.swatch = same ? old.swatch : swatchFor(region);
     attachChannels(region, whole, command, context);
   }
   return withRegion(document, positionOf(document, command.region), std::move(region));
