@@ -116,7 +116,9 @@ void EditorLoop::frame() {
     hand_.pop_front();
   }
   gui_.frame(static_cast<float>(std::clamp((record.began - lastFrame_) / 1e3, 1e-4, 0.1)));
+  record.paint = now();
   gui_.paint();
+  record.paint = now() - record.paint;
   lastFrame_ = record.began;
   record.wall = now() - record.began;
   record.cpu = threadMilliseconds() - cpu;

@@ -16,27 +16,131 @@ constexpr std::size_t kMostBuckets = 1 << 16;  // what lies further shares the l
 constexpr float kStep = 0.3f;                  // mean spacings: little is entered twice
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
+// Without labels, and along the links that face each other: what SurfaceWays would find, several
+// times as fast: all that a link asks of a point lies in half a cache line, and ways back towards
+// the sources are not measured.
+class PlainWays {
+ public:
+  PlainWays(const PointGraph& graph, float limit)
+      : near_(graph.neighborhoods),
+        links_(linksOf(graph.neighborhoods)),
+        limit_(limit),
+        step_(std::max(
+            kStep * static_cast<float>(meanSpacing(graph.neighborhoods, graph.points.positions)),
+            1e-9f)),
+        sites_(graph.points.size()) {
+    for (std::size_t i = 0; i < sites_.size(); ++i)
+      sites_[i].position = graph.points.positions[i], sites_[i].normal = graph.points.normals[i];
+  }
+
+  std::vector<float> run(std::span<const Index> seeds, Monitor& monitor) {
+    for (const Index seed : seeds) enter(seed, 0);
+    do {
+      drain(monitor);
+    } while (followLinksOfOthers(monitor));
+    std::vector<float> distances(sites_.size());
+    for (std::size_t i = 0; i < sites_.size(); ++i) distances[i] = sites_[i].distance;
+    return distances;
+  }
+
+ private:
+  struct alignas(32) Site {
+    vec3 position;
+    float distance = kUnreached;
+    vec3 normal;
+    float followed = kUnreached;  // the distance from which its links were followed
+  };
+
+  static bool linked(const Site& a, const Site& b) { return glm::dot(a.normal, b.normal) > 0; }
+
+  std::size_t bucketOf(float distance) const {
+    return static_cast<std::size_t>(
+        std::min(distance / step_, static_cast<float>(kMostBuckets - 1)));
+  }
+
+  void enter(Index i, float distance) {
+    sites_[i].distance = distance;
+    const std::size_t bucket = bucketOf(distance);
+    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
+    buckets_[bucket].push_back(i);
+    first_ = std::min(first_, bucket);
+  }
+
+  void follow(Index i) {
+    Site& from = sites_[i];
+    const float base = from.distance;
+    if (base == from.followed) return;
+    from.followed = base;
+    for (const Index j : near_.of(i).first(links_)) {
+      const Site& to = sites_[j];
+      if (!(base < to.distance) || !linked(from, to)) continue;
+      const float distance = base + distanceBetween(from.position, to.position);
+      if (distance < to.distance && distance <= limit_) enter(j, distance);
+    }
+  }
+
+  void drain(Monitor& monitor) {
+    std::size_t visited = 0;
+    std::vector<Index> now;
+    while (first_ < buckets_.size()) {
+      if (buckets_[first_].empty()) {
+        ++first_;
+        continue;
+      }
+      now.clear();
+      now.swap(buckets_[first_]);  // it may refill itself
+      for (const Index i : now) {
+        if (++visited % kCheckpointEvery == 0) monitor.checkpoint();
+        follow(i);
+      }
+    }
+  }
+
+  bool followLinksOfOthers(Monitor& monitor) {
+    const std::size_t n = sites_.size();
+    std::vector<std::vector<std::pair<Index, float>>> found((n + kGrain - 1) / kGrain);
+    parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Site& own = sites_[i];
+        float least = own.distance;
+        for (const Index j : near_.of(i).first(links_)) {
+          const Site& from = sites_[j];
+          if (!(from.distance < least) || !linked(own, from)) continue;
+          const float distance = from.distance + distanceBetween(own.position, from.position);
+          if (distance < least && distance <= limit_) least = distance;
+        }
+        if (least < own.distance) found[begin / kGrain].push_back({static_cast<Index>(i), least});
+      }
+    });
+    bool any = false;
+    for (const auto& part : found)
+      for (const auto& [i, distance] : part) enter(i, distance), any = true;
+    return any;
+  }
+
+  const Neighborhoods& near_;
+  const std::size_t links_;
+  const float limit_, step_;
+  std::vector<Site> sites_;
+  std::vector<std::vector<Index>> buckets_;
+  std::size_t first_ = 0;
+};
+
 }  // namespace
 
 std::size_t linksOf(const Neighborhoods& neighborhoods) {
   return std::min(kLinks, neighborhoods.k);
 }
 
-SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>* lengths)
+SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>& lengths)
     : graph_(graph),
       lengths_(lengths),
       links_(linksOf(graph.neighborhoods)),
       distance_(graph.points.size(), kUnreached),
       label_(graph.points.size(), kNone) {
-  if (lengths) DAPPLE_CHECK(lengths->size(), ==, graph.points.size() * links_);
-  step_ = std::max(kStep * static_cast<float>(meanSpacing(graph.neighborhoods)), 1e-9f);
-}
-
-float SurfaceWays::length(std::size_t i, std::size_t link) const {
-  if (lengths_) return (*lengths_)[i * links_ + link];
-  const std::vector<vec3>& normals = graph_.points.normals;
-  const bool facing = glm::dot(normals[i], normals[graph_.neighborhoods.of(i)[link]]) > 0;
-  return facing ? graph_.neighborhoods.distancesOf(i)[link] : kUnreached;
+  DAPPLE_CHECK(lengths.size(), ==, graph.points.size() * links_);
+  step_ = std::max(
+      kStep * static_cast<float>(meanSpacing(graph.neighborhoods, graph.points.positions)), 1e-9f);
 }
 
 void SurfaceWays::add(Index source, Index label) {
@@ -113,13 +217,8 @@ void SurfaceWays::run(float limit, Monitor& monitor) {
 
 std::vector<float> surfaceDistances(const PointGraph& graph, std::span<const Index> seeds,
                                     float limit, Monitor& monitor) {
-  SurfaceWays ways(graph, nullptr);
-  for (const Index seed : seeds) {
-    DAPPLE_CHECK(seed, <, graph.points.size());
-    ways.add(seed, 0);
-  }
-  ways.run(limit, monitor);
-  return ways.distances();
+  for (const Index seed : seeds) DAPPLE_CHECK(seed, <, graph.points.size());
+  return PlainWays(graph, limit).run(seeds, monitor);
 }
 
 }  // namespace dapple
