@@ -20,6 +20,12 @@ double threadMilliseconds() {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+double processMilliseconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
 bool anythingHeld() {
   const ImGuiIO& io = ImGui::GetIO();
   return ImGui::IsAnyMouseDown() || std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown),
@@ -108,7 +114,7 @@ void EditorLoop::frame() {
   const double rest = lastFrame_ + kRefresh - now();  // the swap of buffers waits for the screen
   if (rest > 0) std::this_thread::sleep_for(Milliseconds(rest));
   FrameRecord record{.began = now(), .activity = activity_};
-  const double cpu = threadMilliseconds();
+  const double cpu = threadMilliseconds(), process = processMilliseconds();
   double oldest = kNever;
   while (!hand_.empty() && hand_.front().at <= record.began) {
     oldest = std::min(oldest, hand_.front().at);
@@ -116,12 +122,13 @@ void EditorLoop::frame() {
     hand_.pop_front();
   }
   gui_.frame(static_cast<float>(std::clamp((record.began - lastFrame_) / 1e3, 1e-4, 0.1)));
-  record.paint = now();
+  record.paint = processMilliseconds();
   gui_.paint();
-  record.paint = now() - record.paint;
+  record.paint = processMilliseconds() - record.paint;
   lastFrame_ = record.began;
   record.wall = now() - record.began;
   record.cpu = threadMilliseconds() - cpu;
+  record.process = processMilliseconds() - process;
   if (oldest < kNever) record.oldest = now() - oldest;
   noteNews(record);
   frames_.push_back(std::move(record));

@@ -22,7 +22,8 @@ struct FrameRecord {
   double began = 0;      // ms since the loop was made
   double wall = 0;       // ms from taking the input to the finished picture
   double cpu = 0;        // ms of it that this thread worked; the picture's other threads aside
-  double paint = 0;      // ms of wall: OpenGL's part
+  double process = 0;    // ms of all threads of the process meanwhile
+  double paint = 0;      // of process: OpenGL's part
   double oldest = 0;     // ms since the oldest input that the picture shows was made; 0: none
   std::string activity;  // of the hand
   std::string news;      // what of the snapshot is new in the picture

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/errors.h"
 
@@ -16,42 +17,45 @@ constexpr std::size_t kMostBuckets = 1 << 16;  // what lies further shares the l
 constexpr float kStep = 0.3f;                  // mean spacings: little is entered twice
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
+// Width of a bucket, a speed and not a precision: from the spacing of some of the points.
+float stepOf(const PointGraph& graph) {
+  constexpr std::size_t kAsked = 4096;
+  const std::size_t n = graph.points.size(), every = std::max<std::size_t>(1, n / kAsked);
+  const double perDistance =
+      std::sqrt(std::numbers::pi / (static_cast<double>(graph.neighborhoods.k) + 0.5));
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; i += every, ++count)
+    sum += distanceBetween(graph.points.positions[i],
+                           graph.points.positions[graph.neighborhoods.of(i).back()]);
+  return std::max(static_cast<float>(kStep * perDistance * sum / static_cast<double>(count)),
+                  1e-9f);
+}
+
 // Without labels, and along the links that face each other: what SurfaceWays would find, several
-// times as fast: all that a link asks of a point lies in half a cache line, and ways back towards
-// the sources are not measured.
+// times as fast, as ways back towards the sources are not measured.
 class PlainWays {
  public:
   PlainWays(const PointGraph& graph, float limit)
       : near_(graph.neighborhoods),
+        positions_(graph.points.positions),
+        normals_(graph.points.normals),
         links_(linksOf(graph.neighborhoods)),
         limit_(limit),
-        step_(std::max(
-            kStep * static_cast<float>(meanSpacing(graph.neighborhoods, graph.points.positions)),
-            1e-9f)),
-        sites_(graph.points.size()) {
-    for (std::size_t i = 0; i < sites_.size(); ++i)
-      sites_[i].position = graph.points.positions[i], sites_[i].normal = graph.points.normals[i];
-  }
+        step_(stepOf(graph)),
+        distance_(graph.points.size(), kUnreached),
+        followed_(graph.points.size(), kUnreached) {}
 
   std::vector<float> run(std::span<const Index> seeds, Monitor& monitor) {
     for (const Index seed : seeds) enter(seed, 0);
     do {
       drain(monitor);
     } while (followLinksOfOthers(monitor));
-    std::vector<float> distances(sites_.size());
-    for (std::size_t i = 0; i < sites_.size(); ++i) distances[i] = sites_[i].distance;
-    return distances;
+    return std::move(distance_);
   }
 
  private:
-  struct alignas(32) Site {
-    vec3 position;
-    float distance = kUnreached;
-    vec3 normal;
-    float followed = kUnreached;  // the distance from which its links were followed
-  };
-
-  static bool linked(const Site& a, const Site& b) { return glm::dot(a.normal, b.normal) > 0; }
+  bool linked(std::size_t i, Index j) const { return glm::dot(normals_[i], normals_[j]) > 0; }
 
   std::size_t bucketOf(float distance) const {
     return static_cast<std::size_t>(
@@ -59,7 +63,7 @@ class PlainWays {
   }
 
   void enter(Index i, float distance) {
-    sites_[i].distance = distance;
+    distance_[i] = distance;
     const std::size_t bucket = bucketOf(distance);
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
     buckets_[bucket].push_back(i);
@@ -67,15 +71,13 @@ class PlainWays {
   }
 
   void follow(Index i) {
-    Site& from = sites_[i];
-    const float base = from.distance;
-    if (base == from.followed) return;
-    from.followed = base;
+    const float base = distance_[i];
+    if (base == followed_[i]) return;
+    followed_[i] = base;
     for (const Index j : near_.of(i).first(links_)) {
-      const Site& to = sites_[j];
-      if (!(base < to.distance) || !linked(from, to)) continue;
-      const float distance = base + distanceBetween(from.position, to.position);
-      if (distance < to.distance && distance <= limit_) enter(j, distance);
+      if (!(base < distance_[j]) || !linked(i, j)) continue;
+      const float distance = base + distanceBetween(positions_[i], positions_[j]);
+      if (distance < distance_[j] && distance <= limit_) enter(j, distance);
     }
   }
 
@@ -97,19 +99,17 @@ class PlainWays {
   }
 
   bool followLinksOfOthers(Monitor& monitor) {
-    const std::size_t n = sites_.size();
+    const std::size_t n = distance_.size();
     std::vector<std::vector<std::pair<Index, float>>> found((n + kGrain - 1) / kGrain);
     parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const Site& own = sites_[i];
-        float least = own.distance;
+        float least = distance_[i];
         for (const Index j : near_.of(i).first(links_)) {
-          const Site& from = sites_[j];
-          if (!(from.distance < least) || !linked(own, from)) continue;
-          const float distance = from.distance + distanceBetween(own.position, from.position);
+          if (!(distance_[j] < least) || !linked(i, j)) continue;
+          const float distance = distance_[j] + distanceBetween(positions_[i], positions_[j]);
           if (distance < least && distance <= limit_) least = distance;
         }
-        if (least < own.distance) found[begin / kGrain].push_back({static_cast<Index>(i), least});
+        if (least < distance_[i]) found[begin / kGrain].push_back({static_cast<Index>(i), least});
       }
     });
     bool any = false;
@@ -119,9 +119,11 @@ class PlainWays {
   }
 
   const Neighborhoods& near_;
+  const std::vector<vec3>&positions_, &normals_;
   const std::size_t links_;
   const float limit_, step_;
-  std::vector<Site> sites_;
+  std::vector<float> distance_;
+  std::vector<float> followed_;  // from which distance the links of a point were followed
   std::vector<std::vector<Index>> buckets_;
   std::size_t first_ = 0;
 };
@@ -139,8 +141,7 @@ SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>& leng
       distance_(graph.points.size(), kUnreached),
       label_(graph.points.size(), kNone) {
   DAPPLE_CHECK(lengths.size(), ==, graph.points.size() * links_);
-  step_ = std::max(
-      kStep * static_cast<float>(meanSpacing(graph.neighborhoods, graph.points.positions)), 1e-9f);
+  step_ = stepOf(graph);
 }
 
 void SurfaceWays::add(Index source, Index label) {
