@@ -16,10 +16,11 @@
 namespace dapple {
 namespace {
 
-constexpr DetailPacer::Milliseconds kBudget(25);  // of a frame's 33 ms, for the picture
-constexpr float kBrushStep = 1.15f;               // times, a notch of the wheel
-constexpr float kPick = 4;                        // logical pixels
-constexpr float kStrokeReach = 8;                 // logical pixels
+// Of a frame's 33 ms, for the picture: OpenGL in software takes some ten for the rest.
+constexpr DetailPacer::Milliseconds kBudget(18);
+constexpr float kBrushStep = 1.15f;  // times, a notch of the wheel
+constexpr float kPick = 4;           // logical pixels
+constexpr float kStrokeReach = 8;     // logical pixels
 constexpr char kProject[] = ".dapple";
 
 }  // namespace

@@ -44,7 +44,8 @@ class PlainWays {
         limit_(limit),
         step_(stepOf(graph)),
         distance_(graph.points.size(), kUnreached),
-        followed_(graph.points.size(), kUnreached) {}
+        followed_(graph.points.size(), kUnreached),
+        closer_(graph.points.size()) {}
 
   std::vector<float> run(std::span<const Index> seeds, Monitor& monitor) {
     for (const Index seed : seeds) enter(seed, 0);
@@ -64,6 +65,7 @@ class PlainWays {
 
   void enter(Index i, float distance) {
     distance_[i] = distance;
+    closer_.add(i);
     const std::size_t bucket = bucketOf(distance);
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
     buckets_[bucket].push_back(i);
@@ -74,10 +76,12 @@ class PlainWays {
     const float base = distance_[i];
     if (base == followed_[i]) return;
     followed_[i] = base;
+    float atLeast = 0;  // links come in the order of their lengths: those to come are no shorter
     for (const Index j : near_.of(i).first(links_)) {
-      if (!(base < distance_[j]) || !linked(i, j)) continue;
-      const float distance = base + distanceBetween(positions_[i], positions_[j]);
-      if (distance < distance_[j] && distance <= limit_) enter(j, distance);
+      if (!(base + atLeast < distance_[j])) continue;
+      atLeast = distanceBetween(positions_[i], positions_[j]);
+      const float distance = base + atLeast;
+      if (distance < distance_[j] && distance <= limit_ && linked(i, j)) enter(j, distance);
     }
   }
 
@@ -103,15 +107,17 @@ class PlainWays {
     std::vector<std::vector<std::pair<Index, float>>> found((n + kGrain - 1) / kGrain);
     parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        float least = distance_[i];
+        float least = distance_[i], atLeast = 0;
         for (const Index j : near_.of(i).first(links_)) {
-          if (!(distance_[j] < least) || !linked(i, j)) continue;
-          const float distance = distance_[j] + distanceBetween(positions_[i], positions_[j]);
-          if (distance < least && distance <= limit_) least = distance;
+          if (!closer_.has(j) || !(distance_[j] + atLeast < least)) continue;
+          atLeast = distanceBetween(positions_[i], positions_[j]);
+          const float distance = distance_[j] + atLeast;
+          if (distance < least && distance <= limit_ && linked(i, j)) least = distance;
         }
         if (least < distance_[i]) found[begin / kGrain].push_back({static_cast<Index>(i), least});
       }
     });
+    closer_ = PointMask(n);
     bool any = false;
     for (const auto& part : found)
       for (const auto& [i, distance] : part) enter(i, distance), any = true;
@@ -124,6 +130,7 @@ class PlainWays {
   const float limit_, step_;
   std::vector<float> distance_;
   std::vector<float> followed_;  // from which distance the links of a point were followed
+  PointMask closer_;             // points that came closer since links of others were followed last
   std::vector<std::vector<Index>> buckets_;
   std::size_t first_ = 0;
 };
