@@ -20,7 +20,7 @@ namespace {
 constexpr DetailPacer::Milliseconds kBudget(18);
 constexpr float kBrushStep = 1.15f;  // times, a notch of the wheel
 constexpr float kPick = 4;           // logical pixels
-constexpr float kStrokeReach = 8;     // logical pixels
+constexpr float kStrokeReach = 8;    // logical pixels
 constexpr char kProject[] = ".dapple";
 
 }  // namespace
@@ -231,7 +231,9 @@ void Editor::viewPanel(const Layout& layout) {
   ImGui::SetNextWindowSize(size);
   const scope::Style padding(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
   const scope::Style border(ImGuiStyleVar_WindowBorderSize, 0);
-  const scope::Window window("view", nullptr, kFixedWindow | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollWithMouse);
+  const scope::Window window(
+      "view", nullptr,
+      kFixedWindow | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::InvisibleButton("view", size,
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);

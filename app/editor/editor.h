@@ -142,9 +142,9 @@ class Editor {
   ViewOverlays overlays_;
   std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
-  bool settled_ = false;  // the picture is complete
+  bool settled_ = false;                     // the picture is complete
   int pictureLeft_ = 0, pictureBottom_ = 0;  // in the window, pixels
-  struct Memory;          // editor_memory.h
+  struct Memory;                             // editor_memory.h
   std::unique_ptr<Memory> memory_;
 };
 

@@ -224,7 +224,8 @@ std::shared_ptr<SceneView::Texels> SceneView::findTexels(const Document& documen
   if (most == counts.end() || *most == 0) return out;
   const auto main = static_cast<std::uint16_t>(most - counts.begin());
   out->source = results.sources[main];
-  const std::vector<float> spacing = localSpacing(document.scan->prepared.neighborhoods, document.points().positions);
+  const std::vector<float> spacing =
+      localSpacing(document.scan->prepared.neighborhoods, document.points().positions);
   out->texel = plainTexels({*results.texel, *results.colour, spacing}, *out->source->swatch,
                            out->source->unit);
   for (std::size_t i = 0; i < out->texel.size(); ++i)
@@ -328,11 +329,11 @@ void SceneView::baseColours() {
                        .error = spanOf(results.error),
                        .order = spanOf(results.order),
                        .texel = spanOf(results.texel),
-                        .roughness = scalar(Channel::Roughness),
-                        .height = scalar(Channel::Height),
-                        .metallic = scalar(Channel::Metallic),
-                        .occlusion = scalar(Channel::Occlusion),
-                        .mappedNormals = channels_.normal});
+                       .roughness = scalar(Channel::Roughness),
+                       .height = scalar(Channel::Height),
+                       .metallic = scalar(Channel::Metallic),
+                       .occlusion = scalar(Channel::Occlusion),
+                       .mappedNormals = channels_.normal});
       colours_ = std::move(view.colours), legend_ = view.legend;
     } catch (const InvalidInput&) {
       missing_ = "Nothing to show here yet: synthesize a region first.";
