@@ -84,7 +84,7 @@ Timed runCase(const Case& c, const Scan& scan, const Swatch& swatch, Monitor& mo
   const std::vector<vec3>& positions = scan.points.positions;
   out.prepared.neighborhoods =
       buildNeighborhoods(positions, static_cast<std::size_t>(c.options.neighbours), monitor);
-  out.prepared.spacing = static_cast<float>(meanSpacing(out.prepared.neighborhoods));
+  out.prepared.spacing = static_cast<float>(meanSpacing(out.prepared.neighborhoods, positions));
   const double seconds = secondsOf([&] {
     if (c.withNeighbours) {
       buildNeighborhoods(positions, static_cast<std::size_t>(c.options.neighbours), monitor);
@@ -224,7 +224,7 @@ int main(int argc, char** argv) {
     Monitor monitor(workers);
     const Image image = readImage(DAPPLE_BENCH_SWATCH);
     Scan bunny = loadScan(path, {}, monitor);
-    PreparedScan prepared = prepareScan(path, {}, 25, monitor);
+    PreparedScan prepared = prepareScan(path, {}, 25, {}, monitor);
     bunny.points.normals = prepared.scan.points.normals;
     Scan sphere;
     sphere.points = fixtures::makeSphere(16386, 1);

@@ -262,6 +262,7 @@ TEST_CASE("whatever is pressed, nothing breaks") {
     return hashBelow(below, 20261122, static_cast<std::uint64_t>(event) * 16 + what);
   };
   for (int e = 0; e < events; ++e) {
+    if (asked && e % 1000 == 0) fmt::print(stderr, "event {}\n", e);
     const ImVec2 at(static_cast<float>(random(e, 1, kWidth)),
                     static_cast<float>(random(e, 2, kHeight)));
     const unsigned modifiers = random(e, 3, 3) == 0 ? random(e, 4, 8) : 0;

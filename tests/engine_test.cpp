@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 #include "base/hash_rng.h"
@@ -249,7 +250,7 @@ TEST_CASE("a command that changes what a job works from stops the job first") {
   Engine engine(testOptions());
   openSlow(engine, folder);
   for (const Command& edit : {Command(SetSwatch{.region = 0, .reference = {.path = "noise.png"}}),
-                              Command(SegmentAutomatically{.parts = 2}), Command(Undo{})}) {
+                              Command(SegmentAutomatically{.parts = 2}), Command(GoTo{2})}) {
     engine.submit(GoTo{.entry = 3});
     engine.submit(Synthesize{});
     REQUIRE(soon([&] { return synthesizing(engine); }));
@@ -258,7 +259,115 @@ TEST_CASE("a command that changes what a job works from stops the job first") {
     CHECK(engine.status().errors == 0);
     CHECK(!engine.snapshot()->document.results.source);
   }
-  CHECK(engine.snapshot()->cursor == 2);  // the last was an undo
+  CHECK(engine.snapshot()->cursor == 2);
+}
+
+TEST_CASE("an undo while a synthesis works cancels it and nothing else") {
+  const TestFolder folder;
+  Engine engine(testOptions());
+  openSlow(engine, folder);
+  const auto before = engine.snapshot();
+  engine.submit(Synthesize{});
+  REQUIRE(soon([&] { return synthesizing(engine); }));
+  engine.submit(Undo{});
+  engine.finish();
+  CHECK(engine.status().errors == 0);
+  CHECK(engine.snapshot()->cursor == before->cursor);
+  CHECK(sameContent(engine.snapshot()->document, before->document));
+  engine.submit(Undo{});  // nothing works any more: the step before
+  engine.finish();
+  CHECK(engine.snapshot()->cursor == before->cursor - 1);
+}
+
+TEST_CASE("what was edited beside a synthesis is undone and redone beside it") {
+  const TestFolder folder;
+  Engine engine(testOptions());
+  openSlow(engine, folder);
+  const auto before = engine.snapshot();
+  const Document expected = applied(before->document, Synthesize{});
+  engine.submit(Synthesize{});
+  engine.submit(Select{.points = {4, 5}});
+  engine.submit(Select{.points = {6}});
+  REQUIRE(soon([&] { return engine.snapshot()->cursor == before->cursor + 2; }));
+  engine.submit(Undo{});
+  engine.submit(Undo{});
+  REQUIRE(soon([&] { return engine.snapshot()->cursor == before->cursor; }));
+  engine.submit(Redo{});
+  engine.submit(GoTo{before->cursor + 2});
+  engine.submit(Undo{});
+  REQUIRE(soon([&] {
+    const auto now = engine.snapshot();
+    return now->cursor == before->cursor + 1 && now->history->size() == before->cursor + 3;
+  }));
+  CHECK(synthesizing(engine));
+  engine.finish();
+  const auto done = engine.snapshot();
+  CHECK(done->history->back() == "Synthesize all");
+  CHECK(done->document.selection->points() == std::vector<Index>{4, 5});
+  CHECK(*done->document.results.colour == *expected.results.colour);
+}
+
+TEST_CASE("an undo after stop takes back what was kept") {
+  const TestFolder folder;
+  Engine engine(testOptions());
+  openSlow(engine, folder);
+  const auto before = engine.snapshot();
+  engine.submit(Synthesize{});
+  REQUIRE(soon([&] { return previewed(engine); }));
+  engine.stop();
+  engine.submit(Undo{});
+  engine.finish();
+  const auto undone = engine.snapshot();
+  CHECK(undone->cursor == before->cursor);
+  CHECK(undone->history->back() == "Synthesize all (stopped)");
+  CHECK(sameContent(undone->document, before->document));
+}
+
+TEST_CASE("a project is saved and a scan exported while a synthesis works") {
+  const TestFolder folder;
+  Engine engine(testOptions());
+  openSlow(engine, folder);
+  TextureOptions fast = optionsOf(Method::Triplanar);
+  TextureOptions slow = engine.snapshot()->document.regions->front().options;
+  engine.submit(SetRegion{.region = 0, .options = fast});
+  engine.submit(SetSwatch{.region = 0, .reference = {.path = folder / "bricks.png"}});
+  engine.submit(Synthesize{});
+  engine.finish();
+  engine.submit(SetRegion{.region = 0, .options = slow});
+  engine.finish();
+  const Document present = engine.snapshot()->document;
+  engine.submit(Synthesize{});
+  REQUIRE(soon([&] { return synthesizing(engine); }));
+  engine.pause();  // and even while it stands still
+  const std::string project = folder / "beside.dapple", scan = folder / "beside.ply";
+  engine.submit(SaveProject{.path = project});
+  engine.submit(ExportScan{.path = scan});
+  REQUIRE(soon([&] { return std::filesystem::exists(project) && std::filesystem::exists(scan); }));
+  engine.submit(Select{.points = {1}});  // nor does anything wait for them
+  REQUIRE(soon([&] { return engine.snapshot()->document.selection != nullptr; }));
+  CHECK(synthesizing(engine));
+  CHECK(engine.status().paused);
+  engine.cancel();
+  engine.finish();
+  CHECK(engine.status().errors == 0);
+  CHECK(sameContent(applied(emptyDocument(), OpenProject{.path = project}), present));
+  const Document exported = applied(emptyDocument(), OpenScan{.path = scan, .neighbours = 16});
+  CHECK(exported.size() == present.size());
+}
+
+TEST_CASE("the points of a scan are shown before it is open, and no longer than that") {
+  const TestFolder folder;
+  const std::string path = writeSphere(folder, 200000);
+  Engine engine(testOptions());
+  engine.submit(OpenScan{.path = path, .neighbours = 16});
+  auto opening = engine.snapshot();
+  REQUIRE(soon([&] { return (opening = engine.snapshot())->opening != nullptr; }));
+  CHECK(!opening->document.scan);
+  CHECK(opening->opening->size() == 200000);
+  engine.finish();
+  const auto done = engine.snapshot();
+  CHECK(!done->opening);
+  CHECK(opening->opening->positions == done->document.points().positions);
 }
 
 TEST_CASE("the region that is being synthesized is the only one that edits must not touch") {
@@ -274,7 +383,9 @@ TEST_CASE("the region that is being synthesized is the only one that edits must 
   CHECK(meeting(AssignSelection{.region = 0}, job, d) == Meeting::Stops);  // takes points away
   CHECK(meeting(Undo{}, job, d) == Meeting::Stops);
   CHECK(meeting(Synthesize{.region = 0}, job, d) == Meeting::Waits);
-  CHECK(meeting(SaveProject{}, job, d) == Meeting::Waits);
+  CHECK(meeting(SaveProject{}, job, d) == Meeting::Beside);
+  CHECK(meeting(SaveProject{}, SaveProject{}, d) == Meeting::Waits);
+  CHECK(meeting(Synthesize{}, SaveProject{}, d) == Meeting::Beside);
   d = applied(d, InvertSelection{});
   CHECK(meeting(AssignSelection{.region = 0}, job, d) == Meeting::Beside);
   CHECK(meeting(AssignSelection{.region = 1}, job, d) == Meeting::Stops);
@@ -303,7 +414,7 @@ TEST_CASE("200 random walks of starts, edits, stops and cancels end in consisten
         return hashBelow(count, 5, walk, step, stream);
       };
       const auto region = static_cast<RegionId>(below(4, 9));
-      switch (below(15, 0)) {
+      switch (below(16, 0)) {
         case 0:
           engine.cancel();
           break;
@@ -346,6 +457,9 @@ TEST_CASE("200 random walks of starts, edits, stops and cancels end in consisten
         case 13:
           engine.submit(
               SetRegion{.region = region, .options = optionsOf(static_cast<Method>(below(5, 2)))});
+          break;
+        case 14:
+          engine.submit(SaveProject{.path = folder / "walk.dapple"});
           break;
         default:
           engine.submit(Synthesize{});

@@ -50,6 +50,7 @@ GuiHarness::GuiHarness(int width, int height, float uiScale, std::function<void(
 void GuiHarness::resize(int width, int height) {
   width_ = width;
   height_ = height;
+  canvas_.reset(), canvasBuffer_.reset();
   settle();
 }
 
@@ -196,15 +197,29 @@ void GuiHarness::fill(std::string_view id, std::string_view text) {
   type(text);
 }
 
-Image GuiHarness::picture() {
+void GuiHarness::drawInto(const GlFramebuffer& framebuffer) {
   if (drawn_ == nullptr) frame();
-  GlTexture colour = makeTexture(GL_RGBA8, width_, height_);
-  GlFramebuffer framebuffer = makeFramebuffer(colour, nullptr);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
   const ImVec4 back = theme::kBackdrop;
   glClearColor(back.x, back.y, back.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   renderer_.draw(*drawn_);
+}
+
+void GuiHarness::paint() {
+  if (!canvas_) {
+    canvas_ = makeTexture(GL_RGBA8, width_, height_);
+    canvasBuffer_ = makeFramebuffer(*canvas_, nullptr);
+  }
+  drawInto(*canvasBuffer_);
+  glFinish();
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+Image GuiHarness::picture() {
+  GlTexture colour = makeTexture(GL_RGBA8, width_, height_);
+  GlFramebuffer framebuffer = makeFramebuffer(colour, nullptr);
+  drawInto(framebuffer);
 
   Image image{width_, height_, 3,
               std::vector<float>(static_cast<std::size_t>(width_) * height_ * 3)};

@@ -3,12 +3,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "app/gui/gui_context.h"
 #include "app/gui/gui_renderer.h"
+#include "app/render/gl_objects.h"
 #include "app/render/offscreen.h"
 #include "swatch/image.h"
 
@@ -59,11 +61,14 @@ class GuiHarness {
   // Click on the field, select all, type.
   void fill(std::string_view id, std::string_view text);
 
+  // Draws the last frame as a window does, and waits for OpenGL to be done.
+  void paint();
   // The last frame drawn, 3 channels. Throws with OpenGL's messages if there are any.
   Image picture();
 
  private:
   void setModifiers(unsigned modifiers, bool down);
+  void drawInto(const GlFramebuffer& framebuffer);
 
   OffscreenContext& gl_;
   GuiContext gui_;
@@ -71,6 +76,8 @@ class GuiHarness {
   std::function<void()> build_;
   int width_, height_;
   const ImDrawData* drawn_ = nullptr;
+  std::optional<GlTexture> canvas_;  // of paint()
+  std::optional<GlFramebuffer> canvasBuffer_;
 };
 
 // One context for the process, made at the first call.

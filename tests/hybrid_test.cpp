@@ -16,7 +16,7 @@ struct Scene {
   Swatch swatch;
   Neighborhoods near = fixtures::neighbourhoods(points, 25);
   std::vector<TangentFrame> frames = fixtures::uprightFrames(points);
-  float unit = static_cast<float>(meanSpacing(near));
+  float unit = static_cast<float>(meanSpacing(near, points.positions));
   SynthesisInput input{points, near, swatch, frames, unit};
 
   struct Result {

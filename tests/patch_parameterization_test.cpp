@@ -32,7 +32,7 @@ Grown grow(PointSet points, const Swatch& swatch, const PatchOptions& options, s
   Monitor monitor(workers);
   Grown out{.points = std::move(points)};
   out.near = buildNeighborhoods(out.points.positions, k, monitor);
-  out.unit = static_cast<float>(meanSpacing(out.near));
+  out.unit = static_cast<float>(meanSpacing(out.near, out.points.positions));
   out.frames = framesTowards(out.points, {0, 1, 0});
   out.map = emptySourceMap(out.points.size(), out.unit);
   const SynthesisInput input{out.points, out.near, swatch, out.frames, out.unit};

@@ -94,7 +94,7 @@ TEST_CASE("clusters are compact: children lie within a few spacings of their par
   Monitor monitor(workers);
   const Scan scan = sphere(4000, 16, monitor);
   const auto levels = buildHierarchy(scan.points, scan.frames, scan.neighborhoods, 2, monitor);
-  const auto spacing = static_cast<float>(meanSpacing(scan.neighborhoods));
+  const auto spacing = static_cast<float>(meanSpacing(scan.neighborhoods, scan.points.positions));
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     const vec3 parent = levels[1].positions[levels[0].parent[i]];
     REQUIRE(glm::distance(parent, scan.points.positions[i]) < 3 * spacing);

@@ -700,7 +700,7 @@ TEST_CASE("a stray point is drawn like those around it, a sparse region without 
   for (int i = 0; i < 9; ++i) points.emplace_back(-60 + i % 3, i / 3, 0);  // one apart, far away
   Workers workers(1);
   Monitor monitor(workers);
-  const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor));
+  const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor), points);
   CHECK(radii[20 * 40 + 20] == doctest::Approx(splatRadius(1)).epsilon(0.15));
   CHECK(radii[1600 + 10 * 20 + 10] == doctest::Approx(splatRadius(4)).epsilon(0.15));
   CHECK(radii[2000] < splatRadius(2.5f));
@@ -714,7 +714,7 @@ TEST_CASE("a few points that are strewn far apart do not become blobs") {
   for (int i = 0; i < 25; ++i) points.emplace_back(300 + 60 * (i % 5), 60 * (i / 5), 0);
   Workers workers(1);
   Monitor monitor(workers);
-  const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor));
+  const std::vector<float> radii = splatRadii(buildNeighborhoods(points, 16, monitor), points);
   for (std::size_t i = 2500; i < radii.size(); ++i) CHECK(radii[i] < splatRadius(4));
   CHECK(radii[20 * 50 + 20] == doctest::Approx(splatRadius(1)).epsilon(0.15));
 }

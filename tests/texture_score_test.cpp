@@ -186,13 +186,11 @@ TEST_CASE("the unit of the model makes no difference") {
   const auto colours = paint(plane(), swatch, asItIs);
   const double F = scored(plane(), colours, swatch, {.points = 300}).F;
   PointSet metres = plane().points;
-  Neighborhoods neighborhoods = plane().neighborhoods;
   for (vec3& p : metres.positions) p *= 1.0f / 1024;
-  for (float& d : neighborhoods.distances) d *= 1.0f / 1024;
   Workers workers(1);
   Monitor monitor(workers);
-  const TextureScore score =
-      scoreTexture({metres, neighborhoods, colours, swatch, 1.0f / 1024}, {300, 1}, monitor);
+  const TextureScore score = scoreTexture(
+      {metres, plane().neighborhoods, colours, swatch, 1.0f / 1024}, {300, 1}, monitor);
   CHECK(score.F == doctest::Approx(F).epsilon(1e-6));
 }
 

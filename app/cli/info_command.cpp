@@ -36,7 +36,8 @@ nlohmann::ordered_json describe(const PreparedScan& prepared) {
     const dvec3 model = points.origin + points.modelUnits * dvec3(p);
     low = glm::min(low, model), high = glm::max(high, model);
   }
-  const auto parts = connectedParts(prepared.neighborhoods, kLinkSpacings * prepared.spacing);
+  const auto parts =
+      connectedParts(prepared.neighborhoods, points.positions, kLinkSpacings * prepared.spacing);
   return {{"file", scan.path},
           {"format", scan.format},
           {"records", scan.pointOf.size()},
@@ -54,7 +55,7 @@ nlohmann::ordered_json describe(const PreparedScan& prepared) {
 }
 
 void runInfo(const InfoArguments& a, Monitor& monitor) {
-  const nlohmann::ordered_json info = describe(prepareScan(a.scan, {}, kNeighbours, monitor));
+  const nlohmann::ordered_json info = describe(prepareScan(a.scan, {}, kNeighbours, {}, monitor));
   if (a.json) {
     fmt::print("{}\n", info.dump(2));
     return;

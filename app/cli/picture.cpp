@@ -179,7 +179,7 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
     for (vec3& n : normals) n = yUp(n);
   }
   const ViewColours view = viewColours(options.show, input.columns);
-  const std::vector<float> radii = splatRadii(input.neighborhoods);
+  const std::vector<float> radii = splatRadii(input.neighborhoods, input.points.positions);
   SplatColumns columns{
       .positions = positions, .normals = normals, .colours = view.colours, .radii = radii};
   std::vector<vec2> texels;
@@ -187,7 +187,7 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
   std::optional<SplatTexture> texture;
   if (usesTexels(input, options)) {
     texels =
-        plainTexels({input.map->texel, input.columns.colours, localSpacing(input.neighborhoods)},
+        plainTexels({input.map->texel, input.columns.colours, localSpacing(input.neighborhoods, input.points.positions)},
                     *input.swatch, input.map->scale);
     frames = input.map->frame;
     if (options.zUp)

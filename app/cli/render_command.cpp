@@ -80,7 +80,7 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
   parsePicture(a);
   checkWritable(a.output);
   checkImageName(a.output);
-  PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, monitor);
+  PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, {}, monitor);
   PointSet& points = prepared.scan.points;
   if (points.colours.empty()) {
     points.colours.assign(points.size(), vec3(kPlainGrey));

@@ -156,7 +156,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
       makeSwatch(image, options.tileable, stackLevels(options), a.swatch));
   source.swatch = made;
   const Swatch& swatch = *made;
-  const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, monitor);
+  const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, {}, monitor);
   const TexturedPoints textured = texturePoints(prepared, swatch, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())

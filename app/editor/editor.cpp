@@ -16,10 +16,11 @@
 namespace dapple {
 namespace {
 
-constexpr DetailPacer::Milliseconds kBudget(25);  // of a frame's 33 ms, for the picture
-constexpr float kBrushStep = 1.15f;               // times, a notch of the wheel
-constexpr float kPick = 4;                        // logical pixels
-constexpr float kStrokeReach = 8;                 // logical pixels
+// Of a frame's 33 ms, for the picture: OpenGL in software takes some ten for the rest.
+constexpr DetailPacer::Milliseconds kBudget(18);
+constexpr float kBrushStep = 1.15f;  // times, a notch of the wheel
+constexpr float kPick = 4;           // logical pixels
+constexpr float kStrokeReach = 8;    // logical pixels
 constexpr char kProject[] = ".dapple";
 
 }  // namespace
@@ -38,7 +39,7 @@ Editor::Editor(EditorOptions options)
                .readImage = [](const std::filesystem::path& path) { return readImage(path); },
                .changed = options_.wake}),
       snapshot_(engine_.snapshot()),
-      view_(workers_),
+      view_(workers_, options_.wake),
       library_([](const std::filesystem::path& path) { return readImage(path); }),
       navigation_(&navigationPreset("Default")),
       memory_(std::make_unique<Memory>(*this)) {
@@ -191,6 +192,7 @@ void Editor::navigate(const Layout& layout, bool hovered) {
 }
 
 void Editor::toolInput(const Layout& layout, bool hovered) {
+  if (view_.opening()) return hand_.abort(view_);  // the points are not the document's yet
   const ImGuiIO& io = ImGui::GetIO();
   hand_.update({.cursor = layout.inView(io.MousePos),
                 .hovered = hovered && !motion_,
@@ -205,13 +207,33 @@ void Editor::toolInput(const Layout& layout, bool hovered) {
   if (const auto click = hand_.takeClick()) pickStroke(*click, kStrokeReach * layout.uiScale);
 }
 
+void Editor::showPicture(const Layout& layout) {
+  ImDrawList* const list = ImGui::GetWindowDrawList();
+  const ImVec2 min = layout.viewMin(), size = layout.viewSize();
+  if (view_.drawnByOpenGl()) {
+    list->AddImage(guiTexture(view_.texture()), min, {min.x + size.x, min.y + size.y}, {0, 1},
+                   {1, 0});
+    return;
+  }
+  pictureLeft_ = static_cast<int>(min.x);
+  pictureBottom_ = static_cast<int>(layout.height - min.y) - view_.picture().height;
+  list->AddCallback(
+      [](const ImDrawList*, const ImDrawCmd* command) {
+        const Editor& editor = *static_cast<const Editor*>(command->UserCallbackData);
+        editor.view_.copyPicture(editor.pictureLeft_, editor.pictureBottom_);
+      },
+      this);
+}
+
 void Editor::viewPanel(const Layout& layout) {
   const ImVec2 min = layout.viewMin(), size = layout.viewSize();
   ImGui::SetNextWindowPos(min);
   ImGui::SetNextWindowSize(size);
   const scope::Style padding(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
   const scope::Style border(ImGuiStyleVar_WindowBorderSize, 0);
-  const scope::Window window("view", nullptr, kFixedWindow | ImGuiWindowFlags_NoScrollWithMouse);
+  const scope::Window window(
+      "view", nullptr,
+      kFixedWindow | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::InvisibleButton("view", size,
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);
@@ -220,11 +242,7 @@ void Editor::viewPanel(const Layout& layout) {
   navigate(layout, hovered);
   toolInput(layout, hovered);
   settled_ = !view_.draw(layout.viewport(), kBudget);
-  if (view_.texture() != 0 && !view_.empty()) {
-    const float top = view_.drawnByOpenGl() ? 1 : 0;
-    ImGui::GetWindowDrawList()->AddImage(guiTexture(view_.texture()), min,
-                                         {min.x + size.x, min.y + size.y}, {0, top}, {1, 1 - top});
-  }
+  if (view_.texture() != 0 && !view_.empty()) showPicture(layout);
   overlays_.draw(view_, settings_, {stroke_, hand_.overlay(tools_, view_)}, min);
   drawViewLegend(view_, settings_.show,
                  {min.x + theme::px(theme::kGap), min.y + size.y - theme::px(theme::kGap)});

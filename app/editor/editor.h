@@ -84,6 +84,7 @@ class Editor {
 
   void takeNews(const Layout& layout);
   void viewPanel(const Layout& layout);
+  void showPicture(const Layout& layout);
   void navigate(const Layout& layout, bool hovered);
   void zoomWheel(const Layout& layout);
   void toolInput(const Layout& layout, bool hovered);
@@ -141,8 +142,9 @@ class Editor {
   ViewOverlays overlays_;
   std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
-  bool settled_ = false;  // the picture is complete
-  struct Memory;          // editor_memory.h
+  bool settled_ = false;                     // the picture is complete
+  int pictureLeft_ = 0, pictureBottom_ = 0;  // in the window, pixels
+  struct Memory;                             // editor_memory.h
   std::unique_ptr<Memory> memory_;
 };
 

@@ -1,6 +1,7 @@
 // The 3D view of the window: what a snapshot of the document shows, from where the user looks.
 #pragma once
 
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -32,20 +33,23 @@ struct ViewSettings {
 // Needs the window's OpenGL context for its whole life.
 class SceneView {
  public:
-  explicit SceneView(Workers& workers);
+  // `ready`, if any, is called from another thread when there is something new to follow().
+  explicit SceneView(Workers& workers, std::function<void()> ready = {});
   ~SceneView();
 
   // Makes the picture that of the snapshot: takes what has changed since the last call. What is to
-  // be drawn of a scan that was just opened is made ready on another thread: until then there is
-  // nothing to see (loading()).
+  // be drawn of a scan that was just opened is made ready on another thread (loading()). As soon as
+  // its file is read its points are shown, of one size, to be looked at only (opening()).
   void follow(std::shared_ptr<const Snapshot> snapshot, const ViewSettings& settings);
   bool loading() const { return preparing_.valid(); }
+  bool opening() const;
   bool empty() const { return !scene_; }
 
   // Points that a tool is about to select, shown as selected. Empty: none.
   void setPending(const std::vector<Index>& points);
 
-  // Draws the picture of this size as far as the budget allows. False: there is nothing left to do.
+  // Draws the picture of this size as far as the budget allows. False: nothing is left to do until
+  // there is something new to follow().
   bool draw(Viewport size, DetailPacer::Milliseconds budget);
 
   OrbitCamera& camera() { return camera_; }
@@ -57,8 +61,11 @@ class SceneView {
   // Of the last picture.
   Camera pictureCamera() const { return camera_.camera(bounds()); }
   const Raster& picture() const { return live_.picture(); }
-  // Of the size that was drawn; 0: none yet. By OpenGL its lowest row comes first.
+  // Of the size that was drawn, its lowest row first; 0: none yet.
   GLuint texture() const;
+  // Copies the processor's picture into the framebuffer that is bound, without any drawing: in
+  // software many times faster. (left, bottom): pixels. Leaves the scissor test disabled.
+  void copyPicture(int left, int bottom) const;
   bool drawnByOpenGl() const { return openGl_.has_value(); }
   // Of each point, for outlines; empty when there is only one.
   const std::vector<Index>& regions() const { return regions_; }
@@ -77,20 +84,26 @@ class SceneView {
  private:
   struct Scene;
   struct Texels;
+  struct Made;
+  void prepare();
   void takeScene();
   void followTexels();
   void showTexels(bool show);
   static std::shared_ptr<Texels> findTexels(const Document& document);
   void showVisible();
   void recolour();
+  void baseColours();
+  void tint(std::size_t i);
   void chooseRenderer();
   void upload();
 
   Workers& workers_;
   std::shared_ptr<const Snapshot> snapshot_;
   ViewSettings settings_;
-  std::future<std::shared_ptr<Scene>> preparing_;
-  std::shared_ptr<const OpenedScan> wanted_;
+  std::function<void()> ready_;
+  std::shared_ptr<Made> made_;
+  std::future<void> preparing_;
+  std::shared_ptr<const void> wanted_;  // the scan or the points that the scene is, or will be, of
   std::shared_ptr<Scene> scene_;
   std::future<std::shared_ptr<Texels>> findingTexels_;
   std::shared_ptr<Texels> texels_;  // of the results that are shown, or of older ones
@@ -101,6 +114,8 @@ class SceneView {
   OrbitCamera camera_;
   Viewport size_;
   std::optional<GlTexture> texture_;
+  std::optional<GlFramebuffer> textureBuffer_;  // to copy from
+  std::vector<std::uint32_t> flipped_;          // the picture as OpenGL has its rows
   int textureWidth_ = 0, textureHeight_ = 0;
   std::uint64_t uploaded_ = 0;  // version of the picture
   std::vector<float> radii_;    // as drawn: 0 in hidden regions

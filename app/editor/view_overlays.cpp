@@ -52,7 +52,7 @@ const OverlayLines& ViewOverlays::resting(const SceneView& view, const ViewSetti
 
 void ViewOverlays::draw(const SceneView& view, const ViewSettings& settings, const Extra& extra,
                         ImVec2 min) {
-  if (view.empty() || view.picture().width == 0) return;
+  if (view.empty() || view.opening() || view.picture().width == 0) return;
   const Camera camera = view.pictureCamera();
   const OverlayView over(camera, view.picture(), view.splatRadius(),
                          GuiContext::current().uiScale());

@@ -302,6 +302,7 @@ void setBlocks(Workers& workers, SplatScene& s) {
 }  // namespace
 
 struct CpuSplatter::Scene : SplatScene {
+  std::vector<Index> placeOf;  // of each point in `order`; empty as that is
   Frame frame;
   ScratchPool<TilePainter> painters{[] { return std::make_unique<TilePainter>(); }};
 };
@@ -317,6 +318,8 @@ void CpuSplatter::update(const SplatColumns& columns) {
   Scene& s = *scene_;
   s.size = n;
   s.order = columns.order ? *columns.order : std::vector<Index>();
+  s.placeOf.resize(s.order.size());
+  for (std::size_t i = 0; i < s.order.size(); ++i) s.placeOf[s.order[i]] = static_cast<Index>(i);
   for (auto* column : {&s.x, &s.y, &s.z, &s.nx, &s.ny, &s.nz}) column->resize(room);
   s.radius.assign(room, 0);
   forChunks(workers_, n, [&](std::size_t i) {
@@ -346,6 +349,15 @@ void CpuSplatter::recolour(const std::vector<vec3>& colours, const PlainPoints& 
     const Index point = pointOf(s, i);
     s.colour[i] = packedColour(colours[point], !plain.empty() && plain[point] != 0);
   });
+}
+
+void CpuSplatter::recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
+                           std::span<const Index> points) {
+  DAPPLE_CHECK(colours.size(), ==, scene_->size);
+  Scene& s = *scene_;
+  for (const Index point : points)
+    s.colour[s.placeOf.empty() ? point : s.placeOf[point]] =
+        packedColour(colours[point], !plain.empty() && plain[point] != 0);
 }
 
 void CpuSplatter::begin(const Camera& camera, int width, int height, const SplatOptions& options,

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "app/render/camera.h"
@@ -37,6 +38,9 @@ class CpuSplatter {
   void update(const SplatColumns& columns);
   // New colours for the same n points, in the order of the columns.
   void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  // Only these points are coloured otherwise.
+  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
+                std::span<const Index> points);
   // Another swatch inside the splats of the same n points; null: none.
   void retexture(const SplatTexture* texture);
 

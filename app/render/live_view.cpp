@@ -55,6 +55,12 @@ void LiveView::retexture(const SplatTexture* texture) {
   stale_ = true;
 }
 
+void LiveView::recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
+                        std::span<const Index> points) {
+  splatter_.recolour(colours, plain, points);
+  stale_ = true;
+}
+
 LiveView::Progress LiveView::drawWhole(const PictureRequest& wanted, Clock::time_point until,
                                        DetailPacer::Milliseconds budget) {
   if (!started_) pacer_.start(levels_.counts, budget);

@@ -49,6 +49,8 @@ class LiveView {
   // As CpuSplatter's, but the columns' order is the view's own: the points are in Morton order.
   void update(const SplatColumns& columns);
   void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
+                std::span<const Index> points);
   void retexture(const SplatTexture* texture);
 
   // Draws into picture() what the budget allows. When the camera, size or options (their level of

@@ -25,6 +25,7 @@ constexpr float kDeeper = 1.5f;  // radii
 constexpr float kAcross = 1.5f;      // pixels
 constexpr float kSteepest = 8;       // as the splatter
 constexpr float kOtherSide = -0.3f;  // cosine between normals: a thin wall's two sides
+constexpr float kRounded = 1.0001f;  // a ball's square, for what is rounded
 constexpr float kFold = -0.5f;  // cosine between neighbours' normals that do not belong together
 
 // In the splatter's columns: see splat_kernels.h.
@@ -156,8 +157,16 @@ struct Picker::Columns {
   // Padded to whole blocks, with points that are nowhere.
   std::vector<float> x, y, z, radius;
   std::vector<vec3> normals;
+  std::vector<vec3> low, high;  // of each block
 
   PointColumns all() const { return {x.data(), y.data(), z.data(), radius.data()}; }
+  // False: no point of the block that begins at `begin` is in the ball.
+  bool mayMeet(std::size_t begin, const Ball& ball) const {
+    const vec3 &least = low[begin / kBlock], &most = high[begin / kBlock];
+    const vec3 nearest = glm::max(least, glm::min(ball.centre, most));
+    const vec3 away = nearest - ball.centre;
+    return glm::dot(away, away) <= kRounded * ball.radius * ball.radius;
+  }
   vec3 position(Index i) const { return {x[i], y[i], z[i]}; }
   vec3 normal(Index i) const { return normals.empty() ? vec3(0) : normals[i]; }
 
@@ -200,6 +209,12 @@ void Picker::update(const std::vector<vec3>& positions, const std::vector<vec3>&
     column->assign(room, std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < n; ++i)
     if (radii[i] > 0) c.x[i] = positions[i].x, c.y[i] = positions[i].y, c.z[i] = positions[i].z;
+  c.low.assign(room / kBlock, vec3(kInfinite)), c.high.assign(room / kBlock, vec3(-kInfinite));
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(radii[i] > 0)) continue;
+    c.low[i / kBlock] = glm::min(c.low[i / kBlock], positions[i]);
+    c.high[i / kBlock] = glm::max(c.high[i / kBlock], positions[i]);
+  }
   c.radius = radii;
   c.radius.resize(room, 0);
   c.normals = normals;
@@ -291,6 +306,7 @@ std::vector<Index> Picker::inBall(const Ball& ball, const PickView* view) const 
     const auto hits = std::make_unique<Hits>();
     const std::size_t end = std::min(room, (chunk + 1) * kChunk);
     for (std::size_t begin = chunk * kChunk; begin < end; begin += kBlock) {
+      if (!columns_->mayMeet(begin, ball)) continue;
       siftBall(columns_->all(), ball.centre, ball.radius, begin, *hits);
       found[chunk].insert(found[chunk].end(), hits->point, hits->point + hits->count);
     }

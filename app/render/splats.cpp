@@ -57,8 +57,9 @@ float splatRadius(float spacing) {
   return kRadiusPerSpacing * spacing;
 }
 
-std::vector<float> splatRadii(const Neighborhoods& neighborhoods) {
-  const std::vector<float> spacing = localSpacing(neighborhoods);
+std::vector<float> splatRadii(const Neighborhoods& neighborhoods,
+                              const std::vector<vec3>& positions) {
+  const std::vector<float> spacing = localSpacing(neighborhoods, positions);
   std::vector<float> radii(spacing.size()), around;
   for (std::size_t i = 0; i < radii.size(); ++i) {
     around.clear();
@@ -67,7 +68,7 @@ std::vector<float> splatRadii(const Neighborhoods& neighborhoods) {
     std::nth_element(around.begin(), middle, around.end());
     // The nearest alone: a few stray points together have most of their neighbours far away.
     const std::size_t few = std::min(kFew, neighborhoods.k);
-    const float close = neighborhoods.distancesOf(i)[few - 1] *
+    const float close = distanceBetween(positions[i], positions[neighborhoods.of(i)[few - 1]]) *
                         std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(few) + 0.5f));
     radii[i] = splatRadius(std::min(spacing[i], kMostStray * std::min(*middle, close)));
   }

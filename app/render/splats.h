@@ -67,7 +67,8 @@ float splatRadius(float spacing);
 
 // The same for each point of a scan (n, local units), from its neighbours: stray points, alone or a
 // few together, are drawn not much larger than the others.
-std::vector<float> splatRadii(const Neighborhoods& neighborhoods);
+std::vector<float> splatRadii(const Neighborhoods& neighborhoods,
+                              const std::vector<vec3>& positions);
 
 // None; a lamp at the eye; or three lamps that stay with the camera, as in a photographer's studio.
 enum class Shading { Off, Headlight, Studio };

@@ -10,6 +10,13 @@
 #include <utility>
 #include <vector>
 
+#if defined(__linux__)
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
 #include "base/errors.h"
 
 namespace dapple {
@@ -18,6 +25,10 @@ namespace {
 // How often a thread looks for work, or for the end of it, before it sleeps: some 20 us. Going to
 // sleep and waking costs more than many a loop that follows the last one at once.
 constexpr int kLooks = 400;
+
+// A third of the weight of a usual thread: enough for the window, and on a busy machine enough of
+// it for the work to get on.
+constexpr int kBackgroundNice = 5;
 
 void pauseBriefly() {
 #if defined(__x86_64__)
@@ -99,9 +110,23 @@ struct Workers::Pool {
   }
 };
 
-Workers::Workers(unsigned threads) : pool_(std::make_unique<Pool>()) {
+void setPriority(Priority priority) {
+  if (priority == Priority::Normal) return;
+#if defined(__linux__)
+  // On Linux both are of the thread. Where they are refused everything works, only less smoothly.
+  const sched_param none{};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_BATCH, &none));
+  static_cast<void>(setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kBackgroundNice));
+#endif
+}
+
+Workers::Workers(unsigned threads, Priority priority) : pool_(std::make_unique<Pool>()) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < threads; ++i) pool_->threads.emplace_back([this] { pool_->serve(); });
+  for (unsigned i = 1; i < threads; ++i)
+    pool_->threads.emplace_back([this, priority] {
+      setPriority(priority);
+      pool_->serve();
+    });
 }
 
 Workers::~Workers() {

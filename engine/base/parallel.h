@@ -9,10 +9,18 @@
 
 namespace dapple {
 
+// Background: gives way to whatever a person waits for. Where the system allows it (Linux), threads
+// of this kind get a processor only as far as others leave it.
+enum class Priority { Normal, Background };
+
+// Of the calling thread, until its end.
+void setPriority(Priority priority);
+
 class Workers {
  public:
-  // `threads` in all, the calling one included; 0 means one for each processor.
-  explicit Workers(unsigned threads = 0);
+  // `threads` in all, the calling one included; 0 means one for each processor. The priority is
+  // that of the others; the calling one keeps its own.
+  explicit Workers(unsigned threads = 0, Priority priority = Priority::Normal);
   ~Workers();
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;

@@ -50,9 +50,9 @@ std::vector<RegionId> regionsOf(const Synthesize& command, const Document& docum
   return out;
 }
 
-Change opened(const OpenScan& command, Monitor& monitor) {
+Change opened(const OpenScan& command, const CommandContext& context, Monitor& monitor) {
   auto scan = std::make_shared<OpenedScan>(
-      openScan(command.path, command.load, command.neighbours, monitor));
+      openScan(command.path, command.load, command.neighbours, context.loaded, monitor));
   Document document = emptyDocument();
   document.labels =
       std::make_shared<const std::vector<RegionId>>(scan->prepared.scan.points.size(), kUnassigned);
@@ -230,8 +230,6 @@ Meeting meetsSynthesis(const Command& command, const Synthesize& job, const Docu
               [&](const RemoveStroke& c) { return ofRegion(c); },
               [](const Synthesize&) { return Meeting::Waits; },
               [](const BlendBorders&) { return Meeting::Waits; },
-              [](const SaveProject&) { return Meeting::Waits; },
-              [](const ExportScan&) { return Meeting::Waits; },
               [](const auto&) { return Meeting::Stops; }},
       command);
 }
@@ -299,18 +297,18 @@ bool onlyReads(const Command& command) {
 }
 
 Meeting meeting(const Command& command, const Command& job, const Document& document) {
-  if (onlyReads(job)) return isJob(command) ? Meeting::Waits : Meeting::Beside;
+  if (onlyReads(job)) return onlyReads(command) ? Meeting::Waits : Meeting::Beside;
   if (opensAnother(job)) return opensAnother(command) ? Meeting::Stops : Meeting::Waits;
-  if (onlySelects(command)) return Meeting::Beside;
+  if (onlySelects(command) || onlyReads(command)) return Meeting::Beside;
   if (const auto* synthesis = std::get_if<Synthesize>(&job))
     return meetsSynthesis(command, *synthesis, document);
-  return onlyReads(command) || makesResults(command) ? Meeting::Waits : Meeting::Stops;
+  return makesResults(command) ? Meeting::Waits : Meeting::Stops;
 }
 
 Change compute(const Document& document, const Command& command, const CommandContext& context,
                Monitor& monitor) {
   return std::visit(
-      Visitor{[&](const OpenScan& c) { return opened(c, monitor); },
+      Visitor{[&](const OpenScan& c) { return opened(c, context, monitor); },
               [&](const Synthesize& c) { return synthesized(document, c, context, monitor); },
               [&](const BlendBorders&) { return blended(document, monitor); },
               [&](const SegmentAutomatically& c) { return segmented(document, c, monitor); },

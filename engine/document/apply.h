@@ -21,6 +21,8 @@ struct SynthesisWatch {
 struct CommandContext {
   std::function<Image(const std::filesystem::path&)> readImage;  // image_io, or a test's
   std::function<void(const std::string&)> note;  // what the user should know although it worked
+  // A scan that is being opened, as soon as its file is read. May be empty.
+  std::function<void(const PointSet&)> loaded;
   SynthesisWatch watch;
 };
 

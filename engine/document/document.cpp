@@ -32,8 +32,7 @@ std::size_t bytesOf(const PreparedScan& prepared) {
   const Scan& scan = prepared.scan;
   return bytesOf(scan.points.positions) + bytesOf(scan.points.normals) +
          bytesOf(scan.points.colours) + bytesOf(scan.mesh.triangles) + bytesOf(scan.table) +
-         bytesOf(scan.record) + bytesOf(scan.pointOf) + bytesOf(prepared.neighborhoods.ids) +
-         bytesOf(prepared.neighborhoods.distances);
+         bytesOf(scan.record) + bytesOf(scan.pointOf) + bytesOf(prepared.neighborhoods.ids);
 }
 
 std::size_t bytesOf(const Swatch& swatch) {

@@ -66,6 +66,7 @@ struct Engine::Core {
     std::unique_ptr<PreviewBoard> board;  // of a synthesis
     std::stop_source stop;
     std::atomic<Ending> ending{Ending::Natural};
+    std::size_t base = 0;        // step of the history that it started from
     bool kept = false;           // stopped on the way, with an outcome
     bool byItself = false;       // live: a part of the edit before it
     bool byUser = false;         // ended by the user; under `mutex`
@@ -81,8 +82,10 @@ struct Engine::Core {
 
   explicit Core(EngineOptions given)
       : options(std::move(given)),
-        jobWorkers(options.threads),
+        jobWorkers(options.threads, Priority::Background),
         quickWorkers(options.threads),
+        openWorkers(options.threads),
+        readerWorkers(1),
         history(emptyDocument(), "New", options.historyBudget),
         current(firstSnapshot()) {
     thread = std::thread([this] { serve(); });
@@ -93,6 +96,7 @@ struct Engine::Core {
       const std::lock_guard lock(mutex);
       quit = true;
       if (job) job->end(Ending::Discard);
+      if (reader) reader->end(Ending::Discard);
     }
     wake.notify_all();
     thread.join();
@@ -107,10 +111,12 @@ struct Engine::Core {
         std::unique_lock lock(mutex);
         // A command that waits for the job holds up those behind it.
         const auto ready = [&] {
-          if (quit && !job)
+          if (quit && !job && !reader)
             reason = Wake::Quit;
           else if (jobDone)
             reason = Wake::JobDone;
+          else if (readerDone)
+            reason = Wake::ReaderDone;
           else if (!quit && !waiting && !queue.empty())
             reason = Wake::NewCommand;
           else if (!quit && !job && !head && live && (!touched.empty() || borders))
@@ -125,26 +131,63 @@ struct Engine::Core {
       }
       if (reason == Wake::Quit) return;
       if (reason == Wake::JobDone) endJob();
+      if (reason == Wake::ReaderDone) endReader();
       if (reason == Wake::Touched) startLive();
-      if (head) meetJob();
+      if (head) meetJobs();
       tellStatus();
     }
   }
 
-  void meetJob() {
+  void meetJobs() {
     waiting = false;
-    if (job) {
-      const Meeting m = meeting(*head, job->command, history.document());
-      if (m == Meeting::Stops) job->end(Ending::Discard);
-      waiting = m != Meeting::Beside;
-      if (waiting) return;
+    for (Job* other : {job.get(), reader.get()}) {
+      if (!other) continue;
+      if (undoesJob(*other)) {
+        endByUser(Ending::Discard);
+        head.reset();
+        return;
+      }
+      const Meeting m =
+          staysAfter(*other) ? Meeting::Beside : meeting(*head, other->command, history.document());
+      // What ends already keeps its way of ending.
+      if (m == Meeting::Stops && other->ending == Ending::Natural) other->end(Ending::Discard);
+      waiting = waiting || m != Meeting::Beside;
     }
+    if (waiting) return;
     const Command command = std::move(*head);
     head.reset();
     if (isJob(command))
-      startJob(command);
+      start(command, onlyReads(command) ? reader : job);
     else
       carryOut(command);
+  }
+
+  // Steps of the history ever made up to the present one.
+  std::size_t step() const { return history.dropped() + history.cursor(); }
+
+  // An undo while a job that would be the last step works: the job is what is undone.
+  bool undoesJob(const Job& other) const {
+    return std::holds_alternative<Undo>(*head) && isStep(other) &&
+           other.ending == Ending::Natural && step() == other.base;
+  }
+
+  // An undo or redo among steps that were made beside the job, which touch nothing that it reads.
+  bool staysAfter(const Job& other) const {
+    if (!isStep(other) || other.ending != Ending::Natural) return false;
+    if (std::holds_alternative<Undo>(*head)) return step() > other.base;
+    if (!editedBeside) return false;
+    if (std::holds_alternative<Redo>(*head)) return true;
+    const auto* to = std::get_if<GoTo>(&*head);
+    return to && history.dropped() + to->entry >= other.base;
+  }
+
+  static bool opens(const Command& command) {
+    return std::holds_alternative<OpenScan>(command) ||
+           std::holds_alternative<OpenProject>(command);
+  }
+  // What ends as a step of its own. A live synthesis is a part of the edit before it.
+  static bool isStep(const Job& other) {
+    return !onlyReads(other.command) && !opens(other.command) && !other.byItself;
   }
 
   void carryOut(const Command& command) {
@@ -161,6 +204,7 @@ struct Engine::Core {
         Document next = apply(history.document(), command, contextOf(nullptr), monitor);
         touch(next);
         history.push(name, std::move(next), gestureOf(command));
+        editedBeside = true;
       }
     } catch (const std::exception& error) {
       return fail(name, error.what());
@@ -180,30 +224,36 @@ struct Engine::Core {
   }
 
   void startLive() {
-    if (touched.empty()) return startJob(BlendBorders{}, true);
+    if (touched.empty()) return start(BlendBorders{}, job, true);
     const RegionId region = *touched.begin();
     if (canSynthesize(history.document(), region))
-      startJob(Synthesize{region}, true);
+      start(Synthesize{region}, job, true);
     else
       touched.erase(region);
   }
 
-  void startJob(const Command& command, bool byItself = false) {
+  // Into `slot`, which is empty: of the job, or of the one that only reads.
+  void start(const Command& command, std::unique_ptr<Job>& slot, bool byItself = false) {
     auto next = std::make_unique<Job>();
     next->command = command;
     next->byItself = byItself;
     next->document = history.document();
     next->label = label(command, next->document);
+    next->base = step();
+    if (&slot == &job) editedBeside = false;
     Job& started = *next;
     {
       const std::lock_guard lock(mutex);
-      job = std::move(next);
-      jobDone = false;
-      status.job = started.label;
-      status.progress = {};
+      slot = std::move(next);
+      if (&slot == &job || !job) status.progress = {};
+      nameJob();
       if (quit) started.end(Ending::Discard);
     }
-    started.thread = std::thread([this, &started] { work(started); });
+    started.thread = std::thread([this, &started] {
+      // The window wins, but for what the user waits to see in it.
+      if (!opens(started.command)) setPriority(Priority::Background);
+      work(started);
+    });
   }
 
   void endJob() {
@@ -213,7 +263,7 @@ struct Engine::Core {
       const std::lock_guard lock(mutex);
       ended = std::move(job);
       jobDone = false;
-      status.job.clear();
+      nameJob();
       status.progress = {};
       status.paused = false;
     }
@@ -236,7 +286,6 @@ struct Engine::Core {
 
   // The outcome of a job that ended well.
   void take(const Job& ended) {
-    if (onlyReads(ended.command)) return;
     Document next = ended.change(history.document());
     if (const auto* synthesis = std::get_if<Synthesize>(&ended.command)) {
       borders = false;
@@ -255,6 +304,30 @@ struct Engine::Core {
     else
       history.push(ended.label + (ended.kept ? " (stopped)" : ""), std::move(next));
   }
+
+  void endReader() {
+    std::unique_ptr<Job> ended;
+    reader->thread.join();
+    {
+      const std::lock_guard lock(mutex);
+      ended = std::move(reader);
+      readerDone = false;
+      nameJob();
+    }
+    waiting = false;
+    try {
+      if (ended->failure) std::rethrow_exception(ended->failure);
+      // Not of a scan that has been closed meanwhile.
+      if (ended->document.scan == history.document().scan) noteFile(*ended);
+    } catch (const Cancelled&) {
+    } catch (const std::exception& error) {
+      fail(ended->label, error.what());
+    }
+    publishDocument();
+  }
+
+  // Under `mutex`.
+  void nameJob() { status.job = job ? job->label : reader ? reader->label : ""; }
 
   // What was opened or saved is now as its file has it.
   void noteFile(const Job& ended) {
@@ -278,7 +351,7 @@ struct Engine::Core {
       next.history = std::move(labels);
       next.cursor = history.cursor();
       next.file = file;
-      if (!job) next.previewColour = nullptr, next.previewState = nullptr;
+      if (!job) next.previewColour = nullptr, next.previewState = nullptr, next.opening = nullptr;
     });
   }
 
@@ -300,13 +373,14 @@ struct Engine::Core {
     ++status.errors;
   }
 
-  // ---- job thread --------------------------------------------------------------------------
+  // ---- the jobs' threads -------------------------------------------------------------------
 
   void work(Job& now) {
+    const bool reads = onlyReads(now.command);
     const AtExit tell([&] {
       {
         const std::lock_guard lock(mutex);
-        jobDone = true;
+        (reads ? readerDone : jobDone) = true;
       }
       wake.notify_all();
     });
@@ -315,7 +389,9 @@ struct Engine::Core {
         now.board = std::make_unique<PreviewBoard>(now.document);
       MonitorCallbacks callbacks{.progress = [&](const Progress& p) { tellProgress(now, p); }};
       if (now.board) callbacks.preview = [&](const Preview& p) { showPreview(now, p); };
-      Monitor monitor(jobWorkers, now.stop.get_token(), callbacks, &gate);
+      // What only reads is not held up with a synthesis that is paused.
+      Workers& workers = reads ? readerWorkers : opens(now.command) ? openWorkers : jobWorkers;
+      Monitor monitor(workers, now.stop.get_token(), callbacks, reads ? nullptr : &gate);
       now.change = compute(now.document, now.command, contextOf(&now), monitor);
     } catch (...) {
       now.failure = std::current_exception();
@@ -329,6 +405,7 @@ struct Engine::Core {
       status.note = text;
       ++status.notes;
     };
+    if (now) context.loaded = [this](const PointSet& points) { showOpening(points); };
     if (!now || !now->board) return context;
     PreviewBoard& board = *now->board;
     context.watch.begins = [&board](auto points, std::size_t before, std::size_t total) {
@@ -346,6 +423,7 @@ struct Engine::Core {
   void tellProgress(const Job& now, const Progress& progress) {
     {
       const std::lock_guard lock(mutex);
+      if (job && job.get() != &now) return;
       status.progress = now.board ? now.board->overall(progress) : progress;
     }
     if (options.changed) options.changed();
@@ -354,6 +432,12 @@ struct Engine::Core {
   void showPreview(Job& now, const Preview& preview) {
     now.board->show(preview);
     publishPreview(*now.board);
+  }
+
+  void showOpening(const PointSet& points) {
+    auto copy = std::make_shared<const PointSet>(points);
+    replaceSnapshot([&](Snapshot& next) { next.opening = std::move(copy); });
+    if (options.changed) options.changed();
   }
 
   void publishPreview(const PreviewBoard& board) {
@@ -396,38 +480,42 @@ struct Engine::Core {
 
   void endByUser(Ending how) {
     const std::lock_guard lock(mutex);
-    if (!job) return;
-    job->byUser = true;
-    job->end(how);
+    if (job) {
+      job->byUser = true;
+      job->end(how);
+    } else if (reader && how == Ending::Discard) {
+      reader->end(how);
+    }
   }
 
   bool busy() const {
-    return handling || !queue.empty() || job || jobDone || (live && somethingTouched);
+    return handling || !queue.empty() || job || reader || (live && somethingTouched);
   }
 
-  enum class Wake { Quit, JobDone, NewCommand, Touched };
+  enum class Wake { Quit, JobDone, ReaderDone, NewCommand, Touched };
 
   const EngineOptions options;
-  Workers jobWorkers, quickWorkers;
+  Workers jobWorkers, quickWorkers, openWorkers, readerWorkers;
   PauseGate gate;
 
   // Of the engine thread alone.
   EditHistory history;
   std::optional<Command> head;  // taken from the queue
   std::shared_ptr<const DocumentFile> file;
-  bool waiting = false;        // head waits for the end of the job
+  bool waiting = false;        // head waits for the end of a job
+  bool editedBeside = false;   // a step was made since the job began: what can be redone is newer
   std::set<RegionId> touched;  // to be synthesized again by themselves
   bool borders = false;        // to be blended again by themselves
 
   std::mutex publishing;  // one publisher at a time; taken before `mutex`
   mutable std::mutex mutex;
   std::condition_variable wake, idle;
-  // Under `mutex`. The engine thread alone changes `job` and may read it without.
+  // Under `mutex`. The engine thread alone changes the jobs and may read it without.
   std::deque<Command> queue;
-  bool quit = false, jobDone = false, live = false;
+  bool quit = false, jobDone = false, readerDone = false, live = false;
   bool somethingTouched = false;  // `touched` or `borders`
   bool handling = false;  // the engine thread works, or has a command that waits for the job
-  std::unique_ptr<Job> job;
+  std::unique_ptr<Job> job, reader;
   std::shared_ptr<const Snapshot> current;
   EngineStatus status;
 
@@ -453,7 +541,8 @@ EngineStatus Engine::status() const {
   const std::lock_guard lock(core_->mutex);
   EngineStatus status = core_->status;
   status.busy = core_->busy();
-  status.waiting = core_->queue.size() + (core_->handling && core_->job ? 1 : 0);
+  const bool works = core_->job || core_->reader;
+  status.waiting = core_->queue.size() + (core_->handling && works ? 1 : 0);
   return status;
 }
 

@@ -43,6 +43,9 @@ struct Snapshot {
   // While a synthesis runs, what it has so far: n elements each; else null.
   Column<vec3> previewColour;
   Column<PointState> previewState;  // Free: not reached yet, or not part of this synthesis
+  // While a scan is being opened, as soon as its file is read: its points in their final order,
+  // normals and colours only if the file has them. Else null.
+  std::shared_ptr<const PointSet> opening;
   // Grow by one whenever the part changes: a viewer uploads what differs from what it has.
   std::array<std::uint64_t, kParts> version{};
 
@@ -78,7 +81,11 @@ struct EngineOptions {
 // Quick commands are carried out in the order of their arrival on one thread, which owns the
 // document. Jobs (isJob()) read the document on a second thread, one after another; a quick command
 // that touches nothing that the job reads is carried out meanwhile, one that does stops the job
-// first, and anything else waits (meeting()).
+// first, and anything else waits (meeting()). What only reads (saving, exporting) works on a third
+// thread, from the document as it was when its turn came, beside anything else.
+//
+// An Undo while a job works that will be the next step of the history only cancels it, unless
+// something was edited beside it: then that is undone, and the job goes on.
 class Engine {
  public:
   explicit Engine(EngineOptions options = {});
@@ -95,7 +102,8 @@ class Engine {
   // so until the next edit.
   void setLive(bool live);
 
-  // Of the job that runs, if any.
+  // Of the job that runs, if any; cancel() without one, of the saving or exporting. Only a job that
+  // changes something can be paused.
   void pause();
   void resume();
   void stop();    // keeps what is done so far, as an edit of its own

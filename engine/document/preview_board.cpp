@@ -13,14 +13,15 @@ void PreviewBoard::begins(std::span<const Index> points, std::size_t before, std
   share_ = static_cast<double>(count) / total_;
 }
 
-// Gap points have no colour before the end: they keep what they had.
+// Gap points keep what they had until they have a colour, which may be late: black is none yet.
 void PreviewBoard::show(const Preview& preview) {
   for (std::size_t r = 0; r < preview.states.size(); ++r) {
     const PointState state = preview.states[r];
     const std::size_t i = at(r);
     states_[i] = state;
-    if (state == PointState::Patch || state == PointState::Matched)
-      colours_[i] = preview.colours[r];
+    const bool coloured = state == PointState::Patch || state == PointState::Matched ||
+                          (state == PointState::Gap && preview.colours[r] != vec3(0));
+    if (coloured) colours_[i] = preview.colours[r];
   }
 }
 

@@ -271,7 +271,7 @@ T checked(const std::string& file, T (*read)(const json&, const fs::path&), cons
 }
 
 std::shared_ptr<const OpenedScan> reopened(const json& from, const OpenProject& command,
-                                           Monitor& monitor) {
+                                           const TakePoints& loaded, Monitor& monitor) {
   std::vector<fs::path> places = placesOf(from, command.path);
   if (!command.scan.empty()) places = {command.scan};
   LoadOptions load{.samples = from.at("samples"), .seed = from.at("seed")};
@@ -280,7 +280,8 @@ std::shared_ptr<const OpenedScan> reopened(const json& from, const OpenProject& 
   for (const fs::path& place : places) {
     std::error_code ignored;
     if (!fs::exists(place, ignored)) continue;
-    auto scan = std::make_shared<OpenedScan>(openScan(place, load, from.at("neighbours"), monitor));
+    auto scan =
+        std::make_shared<OpenedScan>(openScan(place, load, from.at("neighbours"), loaded, monitor));
     if (fmt::format("{:016x}", scan->hash) == hash) return scan;
     seen = place.string();
   }
@@ -418,7 +419,7 @@ Document assembled(const json& settings, const RecordTable& table, const OpenPro
   if (points.count() != count)
     refuse(file, fmt::format("it has {} points, but its settings say {}", points.count(), count));
   Document document;
-  document.scan = reopened(settings.at("scan"), command, monitor);
+  document.scan = reopened(settings.at("scan"), command, context.loaded, monitor);
   if (document.size() != count)
     throw InvalidInput(fmt::format("{}: it was made for {} points, but {} gives {}", file, count,
                                    document.scan->path, document.size()));
@@ -457,14 +458,14 @@ std::uint64_t hashOf(const fs::path& path, Monitor& monitor) {
 }  // namespace
 
 OpenedScan openScan(const fs::path& path, const LoadOptions& load, int neighbours,
-                    Monitor& monitor) {
+                    const TakePoints& loaded, Monitor& monitor) {
   if (neighbours < kFewestNeighbours || neighbours > kMostNeighbours)
     throw InvalidInput(fmt::format("neighbours: {} is outside {} to {}", neighbours,
                                    kFewestNeighbours, kMostNeighbours));
   OpenedScan scan{.path = fs::absolute(path).lexically_normal().string(),
                   .load = load,
                   .neighbours = neighbours};
-  scan.prepared = prepareScan(path, load, neighbours, monitor);
+  scan.prepared = prepareScan(path, load, neighbours, loaded, monitor);
   scan.hash = hashOf(path, monitor);
   return scan;
 }

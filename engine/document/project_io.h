@@ -15,7 +15,7 @@ inline constexpr int kProjectVersion = 1;
 
 // Loads, prepares and hashes a scan. Throws IoError, InvalidInput, Cancelled.
 OpenedScan openScan(const std::filesystem::path& path, const LoadOptions& load, int neighbours,
-                    Monitor& monitor);
+                    const TakePoints& loaded, Monitor& monitor);
 
 // Throws InvalidInput (no scan is open), IoError, Cancelled; then the file is as it was.
 void saveProject(const Document& document, const std::filesystem::path& path, Monitor& monitor);

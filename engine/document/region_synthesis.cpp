@@ -32,12 +32,9 @@ PointSet takenOut(const PointSet& points, std::span<const Index> ids) {
 Neighborhoods nearest(const Neighborhoods& all, std::size_t k) {
   Neighborhoods out{.k = k};
   out.ids.reserve(all.size() * k);
-  out.distances.reserve(all.size() * k);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto ids = all.of(i).first(k);
-    const auto distances = all.distancesOf(i).first(k);
     out.ids.insert(out.ids.end(), ids.begin(), ids.end());
-    out.distances.insert(out.distances.end(), distances.begin(), distances.end());
   }
   return out;
 }

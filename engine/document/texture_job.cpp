@@ -65,15 +65,16 @@ void checkEnough(const Scan& scan, int neighbours) {
 }  // namespace
 
 PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
-                         int neighbours, Monitor& monitor) {
+                         int neighbours, const TakePoints& loaded, Monitor& monitor) {
   Stopwatch watch;
   PreparedScan out;
   out.scan = loadScan(path, options, monitor);
   out.seconds.load = watch.lap();
   checkEnough(out.scan, neighbours);
+  if (loaded) loaded(out.scan.points);
   out.neighborhoods =
       buildNeighborhoods(out.scan.points.positions, static_cast<std::size_t>(neighbours), monitor);
-  out.spacing = static_cast<float>(meanSpacing(out.neighborhoods));
+  out.spacing = static_cast<float>(meanSpacing(out.neighborhoods, out.scan.points.positions));
   out.seconds.neighbours = watch.lap();
   monitor.begin(Stage::Normals, out.scan.points.size());
   out.normalsMade = out.scan.points.normals.empty();

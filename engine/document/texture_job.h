@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "io/point_io.h"
@@ -25,10 +26,13 @@ struct PreparedScan {
   StageSeconds seconds;      // load, neighbours, normals
 };
 
+using TakePoints = std::function<void(const PointSet&)>;
+
 // Loads, finds `neighbours` of every point, makes missing normals (of the mesh where there is one,
-// else fitted and oriented). Throws IoError, InvalidInput, Cancelled.
+// else fitted and oriented). `loaded`, if any, is called as soon as the file is read. Throws
+// IoError, InvalidInput, Cancelled.
 PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
-                         int neighbours, Monitor& monitor);
+                         int neighbours, const TakePoints& loaded, Monitor& monitor);
 
 struct TexturedPoints {
   SourceMap map;

@@ -13,13 +13,14 @@ Index rootOf(std::vector<Index>& parent, Index i) {
 
 }  // namespace
 
-ConnectedParts connectedParts(const Neighborhoods& neighborhoods, float reach) {
+ConnectedParts connectedParts(const Neighborhoods& neighborhoods,
+                              const std::vector<vec3>& positions, float reach) {
   const std::size_t n = neighborhoods.size();
   std::vector<Index> parent(n);
   std::iota(parent.begin(), parent.end(), Index{0});
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < neighborhoods.k; ++j) {
-      if (neighborhoods.distancesOf(i)[j] > reach) break;
+      if (distanceBetween(positions[i], positions[neighborhoods.of(i)[j]]) > reach) break;
       const Index a = rootOf(parent, static_cast<Index>(i));
       const Index b = rootOf(parent, neighborhoods.of(i)[j]);
       parent[std::max(a, b)] = std::min(a, b);

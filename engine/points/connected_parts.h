@@ -13,6 +13,7 @@ struct ConnectedParts {
 };
 
 // Points are linked to their neighbours within `reach` (local units).
-ConnectedParts connectedParts(const Neighborhoods& neighborhoods, float reach);
+ConnectedParts connectedParts(const Neighborhoods& neighborhoods,
+                              const std::vector<vec3>& positions, float reach);
 
 }  // namespace dapple

@@ -283,21 +283,25 @@ void thinCrowd(Scratch& scratch, std::size_t k) {
   }
 }
 
-// Writes the k nearest of the near points, nearest first, ties by id. Sorted by counting how many
-// are nearer: k^2 compares, but a vector at a time and without a branch, half the time of a sort.
+// Writes the k nearest of the near points, nearest first, ties by id; returns how far the last is.
+// Sorted by counting how many are nearer: k^2 compares, but a vector at a time and without a
+// branch, half the time of a sort.
 template <class Kernel>
-void writeSorted(Scratch& scratch, std::size_t k, Index* ids, float* distances) {
+float writeSorted(Scratch& scratch, std::size_t k, Index* ids) {
   if (scratch.near > 3 * k + 16) thinCrowd(scratch, k);
   Kernel::rankNear(scratch);
   std::fill(ids, ids + k, kNone);
+  float farthest2 = 0;
   for (std::size_t i = 0; i < scratch.near; ++i) {
     std::size_t slot = scratch.rank[i];
     Index id = scratch.nearId[i];
     for (; slot < k && ids[slot] != kNone; ++slot)  // equally far: by id
       if (ids[slot] > id) std::swap(ids[slot], id);
-    if (slot < k) ids[slot] = id, distances[slot] = scratch.nearDistance2[i];
+    if (slot >= k) continue;
+    ids[slot] = id;
+    farthest2 = std::max(farthest2, scratch.nearDistance2[i]);
   }
-  for (std::size_t j = 0; j < k; ++j) distances[j] = std::sqrt(distances[j]);
+  return std::sqrt(farthest2);
 }
 
 // All points of blocks [begin, end). The radius starts at what the block before needed and grows
@@ -323,8 +327,7 @@ void queryBlocks(const BlockTree& tree, std::size_t begin, std::size_t end, Neig
         continue;
       }
       const std::size_t row = static_cast<std::size_t>(tree.id[p]) * k;
-      writeSorted<Kernel>(scratch, k, &out.ids[row], &out.distances[row]);
-      needed = std::max(needed, out.distances[row + k - 1]);
+      needed = std::max(needed, writeSorted<Kernel>(scratch, k, &out.ids[row]));
       ++p;
     }
     guess = 1.1f * needed;
@@ -355,7 +358,6 @@ Neighborhoods buildNeighborhoods(const std::vector<vec3>& positions, std::size_t
   Neighborhoods out;
   out.k = k;
   out.ids.resize(positions.size() * k);
-  out.distances.resize(positions.size() * k);
   const std::size_t chunks = (tree.blocks() + kBlocksPerChunk - 1) / kBlocksPerChunk;
   monitor.workers().run(chunks, [&](std::size_t chunk) {
     const std::size_t begin = chunk * kBlocksPerChunk;
@@ -386,19 +388,20 @@ ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods,
   return out;
 }
 
-std::vector<float> localSpacing(const Neighborhoods& neighborhoods) {
+std::vector<float> localSpacing(const Neighborhoods& neighborhoods,
+                                const std::vector<vec3>& positions) {
   const std::size_t k = neighborhoods.k;
   const float factor =
       static_cast<float>(std::sqrt(std::numbers::pi / (static_cast<double>(k) + 0.5)));
   std::vector<float> spacing(neighborhoods.size());
   for (std::size_t i = 0; i < spacing.size(); ++i)
-    spacing[i] = neighborhoods.distances[i * k + k - 1] * factor;
+    spacing[i] = distanceBetween(positions[i], positions[neighborhoods.of(i).back()]) * factor;
   return spacing;
 }
 
-double meanSpacing(const Neighborhoods& neighborhoods) {
+double meanSpacing(const Neighborhoods& neighborhoods, const std::vector<vec3>& positions) {
   double sum = 0;
-  for (const float s : localSpacing(neighborhoods)) sum += s;
+  for (const float s : localSpacing(neighborhoods, positions)) sum += s;
   return neighborhoods.size() == 0 ? 0 : sum / static_cast<double>(neighborhoods.size());
 }
 

@@ -1,6 +1,7 @@
 // The k nearest other points of every point, flat, computed once per scan and shared by all stages.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -11,13 +12,17 @@ namespace dapple {
 
 struct Neighborhoods {
   std::size_t k = 0;
-  std::vector<Index> ids;        // n x k, nearest first, ties by id
-  std::vector<float> distances;  // n x k, local units
+  std::vector<Index> ids;  // n x k, nearest first, ties by id
 
   std::size_t size() const { return k == 0 ? 0 : ids.size() / k; }
   std::span<const Index> of(std::size_t i) const { return {ids.data() + i * k, k}; }
-  std::span<const float> distancesOf(std::size_t i) const { return {distances.data() + i * k, k}; }
 };
+
+// By which neighbours are sorted; not kept, as they would double the memory that a scan takes.
+inline float distanceBetween(const vec3& a, const vec3& b) {
+  const float dx = b.x - a.x, dy = b.y - a.y, dz = b.z - a.z;
+  return std::sqrt(dx * dx + dy * dy + dz * dz);
+}
 
 // k nearest other points of each point (the point itself is left out). Throws InvalidInput when
 // there are not more than k points. `portable` keeps off this processor's SIMD (for tests: the
@@ -41,9 +46,10 @@ ReverseNeighborhoods reverseNeighborhoods(const Neighborhoods& neighborhoods,
 
 // Side of the square of surface that one point owns, local units: the mean over points of
 // r_k sqrt(pi / (k + 1/2)), r_k the distance to the k-th neighbour (methods: section 1.1).
-double meanSpacing(const Neighborhoods& neighborhoods);
+double meanSpacing(const Neighborhoods& neighborhoods, const std::vector<vec3>& positions);
 
 // The same for each point (n, local units).
-std::vector<float> localSpacing(const Neighborhoods& neighborhoods);
+std::vector<float> localSpacing(const Neighborhoods& neighborhoods,
+                                const std::vector<vec3>& positions);
 
 }  // namespace dapple

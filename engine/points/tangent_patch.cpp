@@ -39,11 +39,10 @@ void TangentPatch::place(Index id, const Site& site) {
 
 void TangentPatch::queueNeighbours(Index id) {
   const auto ids = neighborhoods_.of(id).first(used_);
-  const auto distances = neighborhoods_.distancesOf(id);
   const float reached = glm::length(flat_.back().position);
   const vec3 normal = points_.normals[id];
   for (std::size_t j = 0; j < std::min(kQueued, used_); ++j) {
-    const auto ring = static_cast<std::uint32_t>((reached + distances[j]) / ringWidth_);
+    const auto ring = static_cast<std::uint32_t>((reached + distanceTo(id, ids[j])) / ringWidth_);
     if (ring >= ringCount_) break;  // the others are no nearer
     std::uint32_t& status = status_[ids[j]];
     if (status == kUnseen) {
@@ -108,7 +107,8 @@ std::span<const FlatPoint> TangentPatch::grow(Index centre, const TangentFrame& 
   seen_.assign(1, centre);
   sites_.clear();
   flat_.clear();
-  const float near = neighborhoods_.distancesOf(centre)[std::min<std::size_t>(5, used_ - 1)];
+  const float near =
+      distanceTo(centre, neighborhoods_.of(centre)[std::min<std::size_t>(5, used_ - 1)]);
   ringWidth_ = std::max(kRingSpacings * near, radius * 1e-3f);
   ringCount_ = static_cast<std::size_t>(radius / ringWidth_) + 1;
   if (rings_.size() < ringCount_) rings_.resize(ringCount_);

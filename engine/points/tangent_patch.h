@@ -37,6 +37,9 @@ class TangentPatch {
 
   void place(Index id, const Site& site);
   void queueNeighbours(Index id);
+  float distanceTo(Index from, Index to) const {
+    return distanceBetween(points_.positions[from], points_.positions[to]);
+  }
   bool transfer(Index id, Site& site);
 
   const PointSet& points_;

@@ -82,15 +82,17 @@ class Segmenter {
           float cost = kCrease * std::max(0.f, 1 - facing - kSmooth);
           if (!plain.empty())
             cost += kChange * std::max(0.f, glm::length(plain[i] - plain[j]) - kAlike);
-          lengths_[i * links_ + c] = graph_.neighborhoods.distancesOf(i)[c] + extent * cost;
+          lengths_[i * links_ + c] =
+              distanceBetween(graph_.points.positions[i], graph_.points.positions[j]) +
+              extent * cost;
         }
     });
   }
 
   void findScraps() {
     const std::size_t n = graph_.points.size();
-    const ConnectedParts pieces =
-        connectedParts(graph_.neighborhoods, std::numeric_limits<float>::max());
+    const ConnectedParts pieces = connectedParts(graph_.neighborhoods, graph_.points.positions,
+                                                 std::numeric_limits<float>::max());
     std::vector<std::size_t> size(pieces.count, 0);
     for (const Index piece : pieces.part) ++size[piece];
     const double least = kScrap * static_cast<double>(n) / static_cast<double>(parts_);
@@ -104,7 +106,7 @@ class Segmenter {
   // Each the furthest from all before; what nothing has reached yet is furthest.
   std::vector<Index> farthestPoints() {
     std::vector<Index> out;
-    SurfaceWays ways(graph_, &lengths_);
+    SurfaceWays ways(graph_, lengths_);
     while (out.size() < parts_) {
       Index next = kNone;
       for (Index i = 0; i < scrap_.size(); ++i)
@@ -118,7 +120,7 @@ class Segmenter {
   }
 
   Parts partsOf(const std::vector<Index>& medoids) {
-    SurfaceWays ways(graph_, &lengths_);
+    SurfaceWays ways(graph_, lengths_);
     for (std::size_t m = 0; m < medoids.size(); ++m) ways.add(medoids[m], static_cast<Index>(m));
     ways.run(std::numeric_limits<float>::infinity(), monitor_);
     Parts parts{.medoids = medoids, .label = ways.labels()};

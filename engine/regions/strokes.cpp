@@ -57,13 +57,17 @@ class Spreader {
       if (settled_[i]) continue;
       settle(i);
       for (std::size_t c = 0; c < neighborhoods_.k; ++c)
-        enter(neighborhoods_.of(i)[c], distance + neighborhoods_.distancesOf(i)[c]);
+        enter(neighborhoods_.of(i)[c], distance + distanceTo(i, neighborhoods_.of(i)[c]));
       if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
     }
   }
 
  private:
   using Entry = std::pair<float, Index>;
+
+  float distanceTo(Index from, Index to) const {
+    return distanceBetween(points_.positions[from], points_.positions[to]);
+  }
 
   void enter(Index i, float distance) {
     if (settled_[i] || !(distance < distance_[i])) return;
@@ -77,7 +81,7 @@ class Spreader {
     for (std::size_t c = 0; c < neighborhoods_.k && drawn_[i] == vec3(0); ++c) {
       const Index j = neighborhoods_.of(i)[c];
       if (!settled_[j] || glm::dot(points_.normals[j], n) < kFacing) continue;
-      const float weight = 1 / std::max(neighborhoods_.distancesOf(i)[c], 1e-12f);
+      const float weight = 1 / std::max(distanceTo(i, j), 1e-12f);
       t += weight * transported(frames_[j].t, points_.normals[j], n);
     }
     settled_[i] = 1;

@@ -155,7 +155,7 @@ class Matcher {
 int Matcher::levelCount() const {
   if (in_.swatch.tileable) return options_.levels;
   // A neighbourhood must fit into the swatch with room to move.
-  const double pixels = meanSpacing(in_.neighborhoods) / in_.unit;
+  const double pixels = meanSpacing(in_.neighborhoods, in_.points.positions) / in_.unit;
   const double room = kSmallestShare * std::min(in_.swatch.width, in_.swatch.height);
   int levels = options_.levels;
   while (levels > 1 && std::ldexp(pixels, levels - 1) > room) --levels;
@@ -389,15 +389,15 @@ void Matcher::visitAgain(int l) {
       count(l, members[m], choices[m]);
     }
     meter_->add(members.size());
+    if (monitor_.wantsPreview()) preview(l);
   }
-  if (monitor_.wantsPreview()) preview(l);
 }
 
 // What is known so far, a point showing its nearest known ancestor.
 void Matcher::preview(int l) {
   std::vector<vec3> colours(in_.points.size(), vec3(0));
   std::vector<PointState> states(map_.state);
-  for (std::size_t i = 0; i < colours.size(); ++i) {
+  const auto show = [&](std::size_t i) {
     Index ancestor = static_cast<Index>(i);
     for (int up = 0;; ++up) {
       if (up >= l && levels_[up]->sites()[ancestor].known) {
@@ -412,13 +412,17 @@ void Matcher::preview(int l) {
       ancestor = hierarchy_[up].parent[ancestor];
     }
     if (fixed_[0][i]) colours[i] = map_.colour[i];
-  }
+  };
+  constexpr std::size_t kGrain = 8192;
+  parallelFor(monitor_, colours.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) show(i);
+  });
   monitor_.publish({colours, states});
 }
 
 void Matcher::write() {
   const std::size_t n = in_.points.size();
-  const std::vector<float> spacing = localSpacing(in_.neighborhoods);
+  const std::vector<float> spacing = localSpacing(in_.neighborhoods, in_.points.positions);
   std::vector<vec3> colours(n);
   parallelFor(monitor_, n, kCheckEvery, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -463,8 +467,8 @@ MatchingStatistics Matcher::run() {
   markFixed();
   errors_.assign(in_.points.size(), 0);
   order_.assign(in_.points.size(), kNone);
-  baseLevel_ = std::max(
-      0, static_cast<int>(std::lround(std::log2(meanSpacing(in_.neighborhoods) / in_.unit))));
+  baseLevel_ = std::max(0, static_cast<int>(std::lround(std::log2(
+                               meanSpacing(in_.neighborhoods, in_.points.positions) / in_.unit))));
   const int count = static_cast<int>(fixed_.size());
   statistics_.levels = count;
   levels_.resize(fixed_.size());

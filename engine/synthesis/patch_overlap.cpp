@@ -46,7 +46,10 @@ class OverlapGrower {
         spread(static_cast<Index>(i), static_cast<Index>(i), steps);
     });
     for (std::size_t b = 0; b < buckets_.size(); ++b) {
-      while (!buckets_[b].empty()) wave(std::exchange(buckets_[b], {}), b);
+      while (!buckets_[b].empty()) {
+        wave(std::exchange(buckets_[b], {}), b);
+        if (monitor_.wantsPreview()) preview();
+      }
       monitor_.advance(pointsOfStep(n, b, buckets_.size()));
     }
     return collected();
@@ -87,13 +90,16 @@ class OverlapGrower {
 
   bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
 
+  float distanceTo(Index from, Index to) const {
+    return distanceBetween(input_.points.positions[from], input_.points.positions[to]);
+  }
+
   // True for a patch point with a neighbour that is not plainly next to it in the patch.
   bool atBorder(Index i) const {
     const Place& place = places_[i];
     if (place.patch == kNone) return false;
     const auto near = input_.neighborhoods.of(i);
-    const float within =
-        kCoherentPixels + input_.neighborhoods.distancesOf(i)[steps_ - 1] / input_.unit;
+    const float within = kCoherentPixels + distanceTo(i, near[steps_ - 1]) / input_.unit;
     for (std::size_t s = 0; s < steps_; ++s) {
       const Place& other = places_[near[s]];
       if (other.patch != place.patch || !nearPlaces(other.q, place.q, within)) return true;
@@ -129,15 +135,29 @@ class OverlapGrower {
   void spread(Index i, Index c, std::vector<Step>& steps) const {
     const ChartSite& from = sites_[c];
     const auto near = input_.neighborhoods.of(i);
-    const auto distances = input_.neighborhoods.distancesOf(i);
     for (std::size_t s = 0; s < steps_; ++s) {
       const Index j = near[s];
-      const float reach = reach_[c] + distances[s] / input_.unit;
+      const float reach = reach_[c] + distanceTo(i, j) / input_.unit;
       if (!(reach <= overlap_)) return;
       if (!sameSide(i, j)) continue;
       const vec2 q = carriedPlace(from, sites_[j].position, input_.unit);
       if (!has(j, from.patch, q)) steps.push_back({j, from.patch, q, reach});
     }
+  }
+
+  // Gap points as the first patch that has reached them would colour them.
+  void preview() {
+    std::vector<vec3> colours(map_.colour);
+    parallelFor(monitor_, colours.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Index c = places_[i].next;
+        if (map_.state[i] != PointState::Gap || c == kNone) continue;
+        const vec2 texel = places_[c].q + map_.placement[places_[c].patch];
+        if (usableTexel(input_.swatch, wrapTexel(input_.swatch, texel)))
+          colours[i] = sampleSwatch(input_.swatch, texel);
+      }
+    });
+    monitor_.publish({colours, map_.state});
   }
 
   void wave(std::vector<Step> steps, std::size_t bucket) {
@@ -177,12 +197,11 @@ class OverlapGrower {
   // Contributors that may place the point near where the step does.
   void gather(const Step& step, ChartFit& fit) const {
     const auto near = input_.neighborhoods.of(step.to);
-    const auto distances = input_.neighborhoods.distancesOf(step.to);
     const vec3 normal = sites_[step.to].normal;
     fit.begin(sites_[step.to].position);
     for (std::size_t s = 0; s < fitted_; ++s) {
       const Index j = near[s];
-      const float within = kSteepest * distances[s] / input_.unit + kCoherentPixels;
+      const float within = kSteepest * distanceTo(step.to, j) / input_.unit + kCoherentPixels;
       for (Index c = j; c != kNone; c = places_[c].next)
         if (places_[c].patch == step.patch && nearPlaces(places_[c].q, step.q, within) &&
             glm::dot(normal, sites_[c].normal) > 0)

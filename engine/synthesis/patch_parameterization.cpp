@@ -326,7 +326,9 @@ class GapBlender {
         ++key_[j];
         queue_.push(key_[j], j);
       }
-      if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
+      if (++done % kCheckpointEvery != 0) continue;
+      monitor_.checkpoint();
+      if (monitor_.wantsPreview()) preview();
     }
     writeTerms();
   }
@@ -344,6 +346,7 @@ class GapBlender {
     for (std::size_t c = 0; c < fit_.size(); ++c)
       terms_.push_back({wrapTexel(input_.swatch, fit_.q(c) + map_.placement[fit_.patch(c)]),
                         fit_.patch(c), fit_.weight(c) / weights});
+    blended_.push_back(i);
     const Index dominant = fit_.dominantPatch();
     fit_.keepPatch(dominant);
     const ChartPoint fitted = fit_.average();
@@ -354,6 +357,19 @@ class GapBlender {
     map_.frame[i] = fitted.frame;
     map_.patch[i] = dominant;
     map_.error[i] = fitted.distortion;
+  }
+
+  // What is blended so far; writeTerms() makes these colours again.
+  void preview() {
+    for (; shown_ < blended_.size(); ++shown_) {
+      const Index i = blended_[shown_];
+      map_.colour[i] = vec3(0);
+      for (Index c = 0; c < count_[i]; ++c) {
+        const BlendTerm& term = terms_[first_[i] + c];
+        map_.colour[i] += term.weight * sampleSwatch(input_.swatch, term.texel);
+      }
+    }
+    monitor_.publish({map_.colour, map_.state});
   }
 
   void gather(Index i) {
@@ -392,6 +408,8 @@ class GapBlender {
   ChartFit fit_;
   std::vector<Index> key_, first_, count_;
   std::vector<BlendTerm> terms_;
+  std::vector<Index> blended_;  // in the queue's order
+  std::size_t shown_ = 0;       // of them, in the last preview
 };
 
 void validate(const PatchOptions& options) {

@@ -85,6 +85,9 @@ class Placer {
       }
       for (const Index other : met) queue.push({known[other], last - other});
       monitor_.advance(pointsOfStep(input_.points.size(), step, placed_.size()));
+      if (!monitor_.wantsPreview()) continue;
+      recolour();
+      monitor_.publish({map_.colour, map_.state});
     }
   }
 

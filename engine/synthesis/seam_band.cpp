@@ -45,7 +45,10 @@ class BandMatcher {
     const std::vector<std::uint8_t> seen = findBand();
     makeSites(seen);
     for (int pass = 0; pass < options_.passes; ++pass)
-      for (const std::vector<Index>& members : classes_) update(members);
+      for (const std::vector<Index>& members : classes_) {
+        update(members);
+        if (monitor_.wantsPreview()) preview();
+      }
     std::vector<Index> all;
     for (Index i = 0; i < changed_.size(); ++i)
       if (changed_[i]) all.push_back(i);
@@ -64,6 +67,14 @@ class BandMatcher {
     ChartSite site;
     float error = 0;
   };
+
+  void preview() {
+    std::vector<vec3> colours(map_.colour);
+    for (std::size_t i = 0; i < changed_.size(); ++i)
+      if (changed_[i])
+        colours[i] = sampleSwatch(input_.swatch, texelOf(sites_[i].patch, sites_[i].q));
+    monitor_.publish({colours, map_.state});
+  }
 
   void makeSites(const std::vector<std::uint8_t>& seen) {
     const std::size_t n = input_.points.size();
@@ -100,11 +111,15 @@ class BandMatcher {
     return glm::dot(input_.points.normals[i], input_.points.normals[j]) > 0;
   }
 
+  float distanceTo(Index from, Index to) const {
+    return distanceBetween(input_.points.positions[from], input_.points.positions[to]);
+  }
+
   bool atSeam(Index i) const {
     const auto near = input_.neighborhoods.of(i);
     for (std::size_t s = 0; s < near_; ++s) {
       const Index j = near[s];
-      const float within = kCoherentPixels + input_.neighborhoods.distancesOf(i)[s] / input_.unit;
+      const float within = kCoherentPixels + distanceTo(i, j) / input_.unit;
       const vec2 step = map_.domain[j] - map_.domain[i];
       const bool goesOn = map_.patch[j] == map_.patch[i] && glm::dot(step, step) <= within * within;
       if (!goesOn && sameSide(i, j)) return true;
@@ -129,7 +144,7 @@ class BandMatcher {
       const Index i = reached[r];
       for (std::size_t s = 0; s < near_; ++s) {
         const Index j = input_.neighborhoods.of(i)[s];
-        const float far = distance[r] + input_.neighborhoods.distancesOf(i)[s] / input_.unit;
+        const float far = distance[r] + distanceTo(i, j) / input_.unit;
         if (far > options_.width || inside[j] || !sameSide(i, j)) continue;
         inside[j] = 1;
         reached.push_back(j), distance.push_back(far);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 
@@ -26,9 +27,10 @@ constexpr std::size_t kCheckpointEvery = 512;
 constexpr std::size_t kGrain = 2048;  // points
 // Small sheets leave seams where they end; a second round over sheets of half this size gains what
 // the size does, at twice the cost.
-constexpr float kSheetRadius = 24;    // pixels
-constexpr float kSeedSpacing = 22;    // of sheets along a seam, pixels
-constexpr std::uint32_t kTurns = 64;  // in which sheets are cut; in the last one by one
+constexpr float kSheetRadius = 24;         // pixels
+constexpr float kSeedSpacing = 22;         // of sheets along a seam, pixels
+constexpr std::size_t kTasksAtOnce = 128;  // sheets between two looks for a preview
+constexpr std::uint32_t kTurns = 64;       // in which sheets are cut; in the last one by one
 
 using Cost = std::int32_t;
 
@@ -207,11 +209,15 @@ class SheetCut {
 // Labels: a candidate for every node, by number among its own.
 class Cutter {
  public:
-  Cutter(const SeamGraph& graph, Monitor& monitor)
+  using Show = std::function<void(const std::vector<std::uint8_t>& labels)>;
+
+  // Calls `show` when a preview is due.
+  Cutter(const SeamGraph& graph, Show show, Monitor& monitor)
       : graph_(graph),
         monitor_(monitor),
         labels_(graph.nodes(), 0),  // own, or nearest: candidates are sorted so
-        cuts_([this] { return std::make_unique<SheetCut>(graph_, labels_); }) {}
+        cuts_([this] { return std::make_unique<SheetCut>(graph_, labels_); }),
+        show_(std::move(show)) {}
 
   SeamStatistics run() {
     SeamStatistics statistics;
@@ -252,7 +258,7 @@ class Cutter {
     const bool apart = sheets.front().turn + 1 < kTurns;
     const std::size_t tasks = apart ? sheets.size() : 1, perTask = apart ? 1 : sheets.size();
     std::vector<std::int64_t> change(sheets.size(), 0);
-    monitor_.workers().run(tasks, [&](std::size_t task) {
+    const auto cutOf = [&](std::size_t task) {
       cuts_.use([&](SheetCut& cut) {
         for (std::size_t s = task * perTask; s < (task + 1) * perTask; ++s) {
           monitor_.checkpoint();
@@ -260,7 +266,12 @@ class Cutter {
           monitor_.advance(pointsOfStep(graph_.nodes(), done_ + s, sheetCount_));
         }
       });
-    });
+    };
+    for (std::size_t first = 0; first < tasks; first += kTasksAtOnce) {
+      monitor_.workers().run(std::min(kTasksAtOnce, tasks - first),
+                             [&](std::size_t t) { cutOf(first + t); });
+      if (monitor_.wantsPreview()) show_(labels_);
+    }
     done_ += sheets.size();
     return std::accumulate(change.begin(), change.end(), std::int64_t{0});
   }
@@ -275,6 +286,7 @@ class Cutter {
   std::vector<Member> members_;
   std::size_t done_ = 0, sheetCount_ = 0;
   ScratchPool<SheetCut> cuts_;
+  Show show_;
 };
 
 void writeLabels(const PatchOverlap& overlap, const SeamGraph& graph,
@@ -337,7 +349,13 @@ SeamStatistics cutSeams(const SynthesisInput& input, const PatchOverlap& overlap
                         Monitor& monitor) {
   const SeamGraph graph = buildSeamGraph(input, overlap, map, monitor);
   monitor.advance(input.points.size() - graph.nodes());
-  Cutter cutter(graph, monitor);
+  const auto show = [&](const std::vector<std::uint8_t>& labels) {
+    std::vector<vec3> colours(map.colour);
+    for (std::size_t u = 0; u < graph.nodes(); ++u)
+      colours[graph.point[u]] = graph.colour[graph.first[graph.point[u]] + labels[u]];
+    monitor.publish({colours, map.state});
+  };
+  Cutter cutter(graph, show, monitor);
   SeamStatistics statistics = cutter.run();
   writeLabels(overlap, graph, cutter.labels(), map);
   statistics.stranded = copyNeighbours(input, graph, map);

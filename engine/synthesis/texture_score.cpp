@@ -485,13 +485,13 @@ TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, 
 
 TextureScore scoreTexture(const ScoreInput& input, const ScoreOptions& options, Monitor& monitor) {
   checkInput(input, options);
-  const double spacing = meanSpacing(input.neighborhoods);
+  const double spacing = meanSpacing(input.neighborhoods, input.points.positions);
   const auto run = static_cast<std::size_t>(std::pow(kThinned * input.unit / spacing, 2));
   TextureScore score;
   if (run >= 2 && input.points.size() / run >= kLeastPoints) {
     const Thinned thinned = thin(input, run, options.seed, monitor);
-    score =
-        scoreWindows(thinned.input(input), options, meanSpacing(thinned.neighborhoods), monitor);
+    score = scoreWindows(thinned.input(input), options,
+                         meanSpacing(thinned.neighborhoods, thinned.points.positions), monitor);
   } else {
     score = scoreWindows(input, options, spacing, monitor);
   }
