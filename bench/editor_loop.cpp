@@ -36,7 +36,7 @@ bool anythingHeld() {
 
 EditorLoop::EditorLoop(const std::filesystem::path& assets, int width, int height)
     : gui_(width, height) {
-  editor_ = std::make_unique<Editor>(EditorOptions{.assets = assets, .wake = [this] {
+  editor_ = std::make_unique<Editor>(EditorOptions{.assets = assets, .live = false, .wake = [this] {
                                                      {
                                                        const std::lock_guard lock(mutex_);
                                                        woken_ = true;
@@ -132,7 +132,7 @@ void EditorLoop::frame() {
   if (oldest < kNever) record.oldest = now() - oldest;
   noteNews(record);
   frames_.push_back(std::move(record));
-  const bool busy = editor_->engine().status().busy;
+  const bool busy = editor_->engine().status().busy || editor_->waiting();
   double wait = gui_.gui().wantsFrame() || again_ ? 0 : busy ? kLook : kNever;
   if (anythingHeld()) wait = std::min(wait, kHeldKey);
   if (ImGui::GetIO().WantTextInput) wait = std::min(wait, 400.0);

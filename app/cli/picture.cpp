@@ -186,9 +186,9 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
   std::vector<TangentFrame> frames;
   std::optional<SplatTexture> texture;
   if (usesTexels(input, options)) {
-    texels =
-        plainTexels({input.map->texel, input.columns.colours, localSpacing(input.neighborhoods, input.points.positions)},
-                    *input.swatch, input.map->scale);
+    texels = plainTexels({input.map->texel, input.columns.colours,
+                          localSpacing(input.neighborhoods, input.points.positions)},
+                         *input.swatch, input.map->scale);
     frames = input.map->frame;
     if (options.zUp)
       for (TangentFrame& frame : frames) frame.s = yUp(frame.s), frame.t = yUp(frame.t);

@@ -59,8 +59,8 @@ class Editor {
   void addEditActions();
   void addRegionActions();
   void addVisibilityActions();
-  void addSynthesisActions();
   void addStrokeActions();
+  void addSynthesisActions();
   void addViewActions();
   void addCameraActions();
   void addDisplayActions();
@@ -81,7 +81,6 @@ class Editor {
   void logPanel();
   void statusBar(const Layout& layout);
   void takeMessages();
-
   void takeNews(const Layout& layout);
   void viewPanel(const Layout& layout);
   void showPicture(const Layout& layout);
@@ -90,7 +89,7 @@ class Editor {
   void toolInput(const Layout& layout, bool hovered);
 
   void openImage(const std::filesystem::path& path);
-  void openDocument(const std::filesystem::path& path);  // at once
+  void openDocument(const std::filesystem::path& path);  // at once, as the next
   void openSampleNow();
   void openSample();
   void cancel();  // the gesture, else the job
@@ -140,7 +139,7 @@ class Editor {
   std::size_t errors_ = 0, notes_ = 0;  // of the engine's, that the user has been told
   Notices notices_;
   ViewOverlays overlays_;
-  std::optional<CameraMotion> motion_;  // of the drag that goes on
+  std::optional<CameraMotion> motion_;       // of the drag that goes on
   bool close_ = false;
   bool settled_ = false;                     // the picture is complete
   int pictureLeft_ = 0, pictureBottom_ = 0;  // in the window, pixels

@@ -135,11 +135,10 @@ ViewColours greyMap(std::span<const float> column) {
   float low = 0, high = 1;
   for (const float v : column)
     if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-  return {mapped(column,
-                 [&](float v) {
-                   return std::isfinite(v) ? vec3((v - low) / (high - low)) : kUnknown;
-                 }),
-          std::nullopt};
+  return {
+      mapped(column,
+             [&](float v) { return std::isfinite(v) ? vec3((v - low) / (high - low)) : kUnknown; }),
+      std::nullopt};
 }
 
 vec3 normalColour(const vec3& n) {
