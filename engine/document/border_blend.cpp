@@ -145,10 +145,9 @@ Halo haloOf(const Document& document, const Sides& sides, RegionId region,
   const PreparedScan& prepared = document.scan->prepared;
   // The border runs between the points: half a spacing before the first one beyond.
   const float half = prepared.spacing / 2;
-  SurfaceWays ways({document.points(), prepared.neighborhoods}, nullptr);
-  for (const Index i : rim) ways.add(i, 0);
-  ways.run(sides.farthestReach(region) + half, monitor);
-  const std::vector<float>& distance = ways.distances();
+  const std::vector<float> distance =
+      surfaceDistances({document.points(), prepared.neighborhoods}, rim,
+                       sides.farthestReach(region) + half, monitor);
   Halo halo;
   for (Index i = 0; i < document.size(); ++i)
     if (sides.takesPart(i) && sides.of(i) != region &&
