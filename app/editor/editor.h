@@ -139,7 +139,7 @@ class Editor {
   std::size_t errors_ = 0, notes_ = 0;  // of the engine's, that the user has been told
   Notices notices_;
   ViewOverlays overlays_;
-  std::optional<CameraMotion> motion_;       // of the drag that goes on
+  std::optional<CameraMotion> motion_;  // of the drag that goes on
   bool close_ = false;
   bool settled_ = false;                     // the picture is complete
   int pictureLeft_ = 0, pictureBottom_ = 0;  // in the window, pixels

@@ -106,7 +106,7 @@ class Segmenter {
   // Each the furthest from all before; what nothing has reached yet is furthest.
   std::vector<Index> farthestPoints() {
     std::vector<Index> out;
-    SurfaceWays ways(graph_, &lengths_);
+    SurfaceWays ways(graph_, lengths_);
     while (out.size() < parts_) {
       Index next = kNone;
       for (Index i = 0; i < scrap_.size(); ++i)
@@ -120,7 +120,7 @@ class Segmenter {
   }
 
   Parts partsOf(const std::vector<Index>& medoids) {
-    SurfaceWays ways(graph_, &lengths_);
+    SurfaceWays ways(graph_, lengths_);
     for (std::size_t m = 0; m < medoids.size(); ++m) ways.add(medoids[m], static_cast<Index>(m));
     ways.run(std::numeric_limits<float>::infinity(), monitor_);
     Parts parts{.medoids = medoids, .label = ways.labels()};

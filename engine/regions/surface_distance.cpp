@@ -141,22 +141,14 @@ std::size_t linksOf(const Neighborhoods& neighborhoods) {
   return std::min(kLinks, neighborhoods.k);
 }
 
-SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>* lengths)
+SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>& lengths)
     : graph_(graph),
       lengths_(lengths),
       links_(linksOf(graph.neighborhoods)),
       distance_(graph.points.size(), kUnreached),
       label_(graph.points.size(), kNone) {
-  if (lengths) DAPPLE_CHECK(lengths->size(), ==, graph.points.size() * links_);
+  DAPPLE_CHECK(lengths.size(), ==, graph.points.size() * links_);
   step_ = stepOf(graph);
-}
-
-float SurfaceWays::length(std::size_t i, std::size_t link) const {
-  if (lengths_) return (*lengths_)[i * links_ + link];
-  const std::vector<vec3>&positions = graph_.points.positions, &normals = graph_.points.normals;
-  const Index j = graph_.neighborhoods.of(i)[link];
-  return glm::dot(normals[i], normals[j]) > 0 ? distanceBetween(positions[i], positions[j])
-                                              : kUnreached;
 }
 
 void SurfaceWays::add(Index source, Index label) {

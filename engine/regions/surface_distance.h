@@ -17,8 +17,8 @@ std::size_t linksOf(const Neighborhoods& neighborhoods);
 // search.
 class SurfaceWays {
  public:
-  // `lengths` (n x linksOf): of each link, or null: as the graph has them. All must outlive this.
-  SurfaceWays(const PointGraph& graph, const std::vector<float>* lengths);
+  // `lengths` (n x linksOf): of each link. All must outlive this.
+  SurfaceWays(const PointGraph& graph, const std::vector<float>& lengths);
 
   // Points closer to `source` than to all before take `label`.
   void add(Index source, Index label);
@@ -32,11 +32,10 @@ class SurfaceWays {
   void enter(Index i, float distance, Index label);
   void drain(float limit, Monitor& monitor);
   bool followLinksOfOthers(float limit, Monitor& monitor);
-  // Infinite: no link.
-  float length(std::size_t i, std::size_t link) const;
+  float length(std::size_t i, std::size_t link) const { return lengths_[i * links_ + link]; }
 
   const PointGraph graph_;
-  const std::vector<float>* lengths_;
+  const std::vector<float>& lengths_;
   const std::size_t links_;
   float step_;  // width of a bucket: a speed, not a precision
   std::vector<float> distance_;
