@@ -173,6 +173,24 @@ TEST_CASE("a stroke is drawn, chosen by a click, turned round and removed") {
   CHECK_FALSE(desk.gui.has("stroke.remove"));
 }
 
+TEST_CASE("the wand takes a whole part, and a selection is given back to the first region") {
+  Desk desk;
+  desk.openScan();
+  const RegionId body = bodyRegion(desk);
+  const std::size_t points = pointsOf(desk.document(), body).size();
+  desk.gui.key(letterKey('W'));
+  desk.gui.click("by.Part");
+  desk.gui.click(desk.gui.at("view"));
+  desk.rest();
+  CHECK(desk.selected() == 29945);  // the creature is one part
+  CHECK(points > 0);
+  desk.gui.key(letterKey('A'), kCtrl);
+  desk.rest();
+  desk.gui.key(letterKey('E'));
+  desk.rest();
+  CHECK(pointsOf(desk.document(), body).empty());
+}
+
 TEST_CASE("views whose colours need a key have one") {
   Desk desk(1, kWidth, kHeight, true);
   textured(desk);

@@ -51,7 +51,7 @@ class Editor {
 
  private:
   struct Layout;
-  enum class Asking { Nothing, Scan, Swatch, Project, SaveProject, Export, Map };
+  enum class Asking { Nothing, Scan, Swatch, Project, SaveProject, Export, Map, Swatches };
 
   // editor_actions.cpp
   void addActions();
@@ -90,8 +90,7 @@ class Editor {
 
   void openImage(const std::filesystem::path& path);
   void openDocument(const std::filesystem::path& path);  // at once, as the next
-  void openSampleNow();
-  void openSample();
+  void openSampleNow(), openSample();
   void cancel();  // the gesture, else the job
   const Region& chosen() const;
   void choose(RegionId region);
@@ -99,6 +98,7 @@ class Editor {
   // The region on which the cursor is.
   std::optional<RegionId> regionUnder(const Layout& layout) const;
   void pickStroke(vec2 place, float reach);
+  void wandOptions();
   void strokeOptions();
   // What the sliders show of the chosen region, and what they make of it.
   RegionSettings settingsShown() const;

@@ -52,6 +52,9 @@ void Editor::ask(Asking what) {
       question = {
           .title = "Choose a swatch", .folder = options_.assets / "swatches", .kinds = kSwatches};
       break;
+    case Asking::Swatches:
+      question = {.purpose = BrowseFor::folder, .title = "Add a folder of swatches"};
+      break;
     case Asking::Map:
       question = {.title = fmt::format("Choose the {} map", channelName(askedMap_)),
                   .folder = std::filesystem::path(chosen().reference.path).parent_path(),
@@ -84,6 +87,8 @@ void Editor::answered(const std::filesystem::path& path) {
     ExportScan command = export_.command();
     command.path = path.string();
     engine_.submit(command);
+  } else if (asking_ == Asking::Swatches) {
+    library_.addFolder(path);
   } else if (asking_ == Asking::Map) {
     SetSwatch set{.region = chosen().id, .reference = chosen().reference};
     set.reference.channels[askedMap_] = path.string();
@@ -198,6 +203,14 @@ void Editor::addRegionActions() {
                 .icon = Icon::fill,
                 .enabled = [this] { return hasSelection(); },
                 .run = [this] { engine_.submit(AssignSelection{chosen_}); }});
+  actions_.add({.id = "region.release",
+                .label = "Take selection out of its regions",
+                .menu = "Region",
+                .shortcuts = shortcuts("E"),
+                .help = "The selected points become the first region's again.",
+                .icon = Icon::eraser,
+                .enabled = [this] { return hasSelection(); },
+                .run = [this] { engine_.submit(AssignSelection{kUnassigned}); }});
   actions_.add({.id = "region.select",
                 .label = "Select region",
                 .menu = "Region",
@@ -267,6 +280,11 @@ void Editor::addSynthesisActions() {
                 .icon = Icon::grid,
                 .separatorBefore = true,
                 .run = [this] { ask(Asking::Swatch); }});
+  actions_.add({.id = "library.folder",
+                .label = "Add a folder of swatches...",
+                .menu = "Region",
+                .icon = Icon::folder,
+                .run = [this] { ask(Asking::Swatches); }});
   actions_.add({.id = "synthesize.region",
                 .label = "Synthesize region",
                 .menu = "Region",
@@ -333,13 +351,21 @@ void Editor::addViewActions() {
   const auto key = [](View view) {
     switch (view) {
       case View::Colour:
-        return "C";
+        return "C, 1";
       case View::Normals:
-        return "N";
+        return "N, 2";
       case View::State:
-        return "D";
+        return "D, 3";
+      case View::Patch:
+        return "4";
+      case View::Distortion:
+        return "5";
+      case View::Order:
+        return "6";
       case View::Regions:
-        return "S";
+        return "S, 7";
+      case View::Coordinates:
+        return "8";
       default:
         return "";
     }

@@ -128,6 +128,7 @@ const char* Editor::Memory::purposeOf(Asking asking) {
     case Asking::Scan:
       return "scan";
     case Asking::Swatch:
+    case Asking::Swatches:
     case Asking::Map:
       return "swatch";
     case Asking::Export:

@@ -91,27 +91,37 @@ void Editor::toolOptions(const Layout& layout) {
             .logarithmic = true,
             .mark = "brush.radius"},
            tools_.brushRadius);
-  if (tools_.tool == Tool::Wand) {
-    constexpr float kMost[] = {180, 1, 500}, kUsual[] = {20, 0.15f, 20};
-    constexpr const char* kBy[] = {"Normal", "Colour", "Distance"};
-    int by = static_cast<int>(tools_.wand.by);
-    if (segments("by", kBy, 3, by)) {
-      tools_.wand.by = static_cast<WandBy>(by);
-      tools_.wand.threshold = kUsual[by];
-    }
-    constexpr const char* kFormats[] = {"%.0f deg", "%.2f", "%.0f"};
-    slider({.label = "Threshold",
-            .low = 0,
-            .high = kMost[by],
-            .usual = kUsual[by],
-            .format = kFormats[by],
-            .mark = "wand.threshold"},
-           tools_.wand.threshold);
-    toggle("Connected", tools_.wand.connected, "wand.connected");
-  }
+  if (tools_.tool == Tool::Wand) wandOptions();
   if (tools_.tool != Tool::Wand && tools_.tool != Tool::Stroke)
     toggle("Through", tools_.through, "tool.through-toggle");
   if (tools_.tool == Tool::Stroke) strokeOptions();
+}
+
+void Editor::wandOptions() {
+  constexpr float kMost[] = {180, 1, 500}, kUsual[] = {20, 0.15f, 20};
+  constexpr const char* kBy[] = {"Normal", "Colour", "Distance", "Part"};
+  constexpr const char* kFormats[] = {"%.0f deg", "%.2f", "%.0f"};
+  constexpr int kPart = 3;
+  int by = tools_.wholePart ? kPart : static_cast<int>(tools_.wand.by);
+  if (segments("by", kBy, 4, by)) {
+    tools_.wholePart = by == kPart;
+    if (by != kPart) {
+      tools_.wand.by = static_cast<WandBy>(by);
+      tools_.wand.threshold = kUsual[by];
+    }
+  }
+  if (by == kPart) {
+    mutedText("Takes all that is connected.");
+    return;
+  }
+  slider({.label = "Threshold",
+          .low = 0,
+          .high = kMost[by],
+          .usual = kUsual[by],
+          .format = kFormats[by],
+          .mark = "wand.threshold"},
+         tools_.wand.threshold);
+  toggle("Connected", tools_.wand.connected, "wand.connected");
 }
 
 void Editor::strokeOptions() {

@@ -113,7 +113,9 @@ void ToolHand::update(const ToolInput& input, const ToolSettings& settings, Scen
                                    kTolerance * input.uiScale);
   if (settings.tool == Tool::Wand) {
     if (input.hovered && input.pressed && under_)
-      engine.submit(SelectWand{under_->point, settings.wand, modeOf(input)});
+      engine.submit(settings.wholePart
+                        ? Command(SelectConnected{under_->point, modeOf(input)})
+                        : Command(SelectWand{under_->point, settings.wand, modeOf(input)}));
     return;
   }
   if (settings.tool == Tool::Polygon) {

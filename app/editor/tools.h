@@ -20,6 +20,7 @@ struct ToolSettings {
   float brushRadius = 40;  // logical pixels
   bool through = false;    // also what is hidden
   WandOptions wand;
+  bool wholePart = false;  // the wand takes all that is connected, whatever it is like
 };
 
 // The cursor in the view in one frame, in pixels of the picture.
