@@ -98,8 +98,7 @@ class Editor {
   // The region on which the cursor is.
   std::optional<RegionId> regionUnder(const Layout& layout) const;
   void pickStroke(vec2 place, float reach);
-  void wandOptions();
-  void strokeOptions();
+  void wandOptions(), strokeOptions();
   // What the sliders show of the chosen region, and what they make of it.
   RegionSettings settingsShown() const;
   void changeSettings(const RegionSettings& settings);
