@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "app/render/polygon_mask.h"
@@ -321,6 +322,10 @@ TEST_CASE("beside everything the nearest point within the tolerance is taken, or
   for (const PickView& view : {scene.seen(), scene.through()}) {
     const vec2 second = projectPoint(scene.camera, kWidth, kHeight, scan.positions[1]);
     CHECK(!scene.picker.pointAt(view, {320, 260}, 5));
+    // Where a window says that the cursor is when there is none.
+    const float far = std::numeric_limits<float>::max(), none = std::nanf("");
+    for (const vec2 nowhere : {vec2(-far), vec2(far, 260), vec2(none, 260), vec2(320, none)})
+      CHECK(!scene.picker.pointAt(view, nowhere, 5));
     CHECK(scene.picker.pointAt(view, {320, 260}, 25)->point == 0);
     const auto picked = scene.picker.pointAt(view, second + vec2(12, 0), 20);
     REQUIRE(picked);

@@ -379,6 +379,10 @@ Index Picker::nearestUntraced(const PickView& view, vec2 pixel, float tolerance)
 
 std::optional<Picked> Picker::pointAt(const PickView& view, vec2 pixel, float tolerance) const {
   checkView(view);
+  const auto near = [&](float at, int size) {  // also false for NaN
+    return at >= -tolerance - 1 && at <= static_cast<float>(size) + tolerance + 1;
+  };
+  if (!near(pixel.x, view.width) || !near(pixel.y, view.height)) return std::nullopt;
   const PixelView pixels(view.camera, view.width, view.height);
   Picked picked;
   if (view.traced) {
