@@ -52,6 +52,15 @@ struct Home {
       count += entry.path().extension() == ".dapple";
     return count;
   }
+  // One of them is of the document as this edit left it.
+  bool copied(const std::string& edit) const {
+    std::error_code error;
+    for (const auto& file : fs::directory_iterator(recovery(), error))
+      if (file.path().extension() == ".json" &&
+          readSmallFile(file.path()).value_or("").find(edit) != std::string::npos)
+        return true;
+    return false;
+  }
   Settings settings() const { return peekSettings(config()); }
 };
 
@@ -99,8 +108,11 @@ struct Session {
     fs::create_directories(DAPPLE_EDITOR_PICTURES);
     writeImage(fs::path(DAPPLE_EDITOR_PICTURES) / (name + ".png"), gui.picture());
   }
+  // Of the last edit: an earlier one may have been copied before it.
   bool copied(const Home& home) {
-    return gui.frameUntil([&] { return home.copies() == 1; }, kPatience);
+    const Snapshot& now = editor.snapshot();
+    const std::string edit = (*now.history)[now.cursor];
+    return gui.frameUntil([&] { return home.copies() == 1 && home.copied(edit); }, kPatience);
   }
   const Document& document() { return editor.snapshot().document; }
 };
@@ -375,16 +387,8 @@ TEST_CASE("work of a process that was killed is offered at the next start and co
   ChildProcess child(
       {"/proc/self/exe", "--no-skip", "--test-case=a child that works until it is killed"});
   ::unsetenv(kChildState);
-  const auto copied = [&] {
-    std::error_code error;
-    for (const auto& file : fs::directory_iterator(home.recovery(), error))
-      if (file.path().extension() == ".json" &&
-          readSmallFile(file.path()).value_or("").find("Add region") != std::string::npos)
-        return true;
-    return false;
-  };
-  for (int k = 0; k < 4500 && !copied(); ++k) ::usleep(20000);
-  REQUIRE(copied());
+  for (int k = 0; k < 4500 && !home.copied("Add region"); ++k) ::usleep(20000);
+  REQUIRE(home.copied("Add region"));
   {
     Session meanwhile(home.options());  // it lives: its work is not ours
     CHECK_FALSE(meanwhile.gui.has("recovery.0.recover"));
