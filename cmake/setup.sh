@@ -22,7 +22,7 @@ libosmesa6-dev     | build | required | OpenGL pictures without a display
 libglfw3-dev       | build | required | the window on the desktop
 libimgui-dev       | build | required | the buttons and fields in the window
 libfreetype-dev    | build | required | letters that are sharp at any size
-libsystemd0        | build | optional | the desktop's file dialog; else our own
+libsystemd0        | build | optional | the file dialog of the desktop; else our own
 fonts-dejavu-core  | build | optional | the typeface of the window; else a coarser one that is built in
 libopenimageio-dev | build | required | reads and writes images
 python3-glad       | build | required | writes the OpenGL loader at build time

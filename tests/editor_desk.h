@@ -26,10 +26,14 @@ struct Desk {
 
   // Not live: what is synthesized is asked for.
   explicit Desk(float uiScale = 1, int width = kWidth, int height = kHeight, bool live = false)
-      : gui(width, height, uiScale), editor({.assets = DAPPLE_ASSETS, .threads = 2, .live = live}) {
+      : Desk({.assets = DAPPLE_ASSETS, .threads = 2, .live = live}, uiScale, width, height) {}
+  explicit Desk(EditorOptions options, float uiScale = 1, int width = kWidth, int height = kHeight)
+      : gui(width, height, uiScale), editor(std::move(options)) {
     gui.setBuild([this, width, height] { editor.frame(width, height); });
     gui.settle();
-    REQUIRE(gui.frameUntil([&] { return gui.has("swatch.scales"); }, kPatience));
+    REQUIRE(
+        gui.frameUntil([&] { return gui.has("swatch.scales") && !editor.waiting(); }, kPatience));
+    gui.frames(3);
   }
   // Until the engine rests and the picture is complete.
   void rest() {
@@ -37,7 +41,7 @@ struct Desk {
     gui.frames(2);
     REQUIRE(gui.frameUntil(
         [&] {
-          return !editor.engine().status().busy &&
+          return !editor.engine().status().busy && !editor.waiting() &&
                  editor.engine().snapshot().get() == &editor.snapshot() && editor.view().complete();
         },
         kPatience));

@@ -5,25 +5,17 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "app/editor/editor.h"
 #include "app/editor/recovery.h"
 #include "app/editor/settings.h"
-#include "io/image_io.h"
 #include "tests/child_process.h"
-#include "tests/gui_harness.h"
+#include "tests/editor_desk.h"
 
 using namespace dapple;
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kWidth = 1280, kHeight = 800;
-constexpr int kPatience = 20000;  // frames
 constexpr const char* kChildState = "DAPPLE_TEST_CHILD_STATE";
-
-std::string asset(const std::string& name) {
-  return fmt::format("{}/{}", DAPPLE_ASSETS, name);
-}
 
 // The user's folders, empty at first.
 struct Home {
@@ -64,33 +56,9 @@ struct Home {
   Settings settings() const { return peekSettings(config()); }
 };
 
-struct Session {
-  GuiHarness gui;
-  Editor editor;
+struct Session : Desk {
+  using Desk::Desk;
 
-  explicit Session(EditorOptions options) : gui(kWidth, kHeight), editor(std::move(options)) {
-    gui.setBuild([this] { editor.frame(kWidth, kHeight); });
-    gui.settle();
-    REQUIRE(
-        gui.frameUntil([&] { return gui.has("swatch.scales") && !editor.waiting(); }, kPatience));
-    gui.frames(3);
-  }
-  void rest() {
-    gui.settle();
-    gui.frames(2);
-    REQUIRE(gui.frameUntil(
-        [&] {
-          return !editor.engine().status().busy && !editor.waiting() &&
-                 editor.engine().snapshot().get() == &editor.snapshot() && editor.view().complete();
-        },
-        kPatience));
-    gui.frames(3);
-  }
-  void openScan() {
-    gui.drop({asset("scans/creature.ply")});
-    rest();
-    REQUIRE(document().size() == 29945);
-  }
   void edit() {  // two steps of the history
     gui.key(letterKey('A'), kCtrl);
     rest();
@@ -104,17 +72,12 @@ struct Session {
     gui.settle();
     return true;
   }
-  void save(const std::string& name) {
-    fs::create_directories(DAPPLE_EDITOR_PICTURES);
-    writeImage(fs::path(DAPPLE_EDITOR_PICTURES) / (name + ".png"), gui.picture());
-  }
   // Of the last edit: an earlier one may have been copied before it.
   bool copied(const Home& home) {
     const Snapshot& now = editor.snapshot();
     const std::string edit = (*now.history)[now.cursor];
     return gui.frameUntil([&] { return home.copies() == 1 && home.copied(edit); }, kPatience);
   }
-  const Document& document() { return editor.snapshot().document; }
 };
 
 fs::path savedProject(const Home& home) {
