@@ -199,7 +199,7 @@ Bench::Waited Bench::waitFor(Part part, double from) {
   loop_.turnUntil([&] {
     if (waited.snapshot == 0 && engine().snapshot()->of(part) != before)
       waited.snapshot = loop_.now() - from;
-    return shown().of(part) != before;
+    return loop_.editor().view().paintedVersion(part) != before;
   });
   waited.picture = loop_.now() - from;
   return waited;
@@ -299,8 +299,11 @@ void Bench::cancel() {
         submit(Undo{});
         continue;
       }
-      // A turn shows that nothing works, and nothing of it.
-      loop_.turnUntil([&] { return !engine().status().busy && shown().previewColour == nullptr; });
+      loop_.turnUntil([&] {
+        const auto now = engine().snapshot();
+        return now->previewColour == nullptr &&
+               loop_.editor().view().paintedVersion(Part::Preview) == now->of(Part::Preview);
+      });
       took.push_back(loop_.now() - t);
       loop_.rest();
     }
@@ -317,9 +320,10 @@ void Bench::preview(Method method, const char* name) {
   const double start = loop_.now();
   double last = start, longest = 0, longestAt = 0;
   std::size_t pictures = 0;
-  std::uint64_t seen = shown().of(Part::Preview);
+  const auto painted = [&] { return loop_.editor().view().paintedVersion(Part::Preview); };
+  std::uint64_t seen = painted();
   loop_.turnUntil([&] {
-    if (const std::uint64_t now = shown().of(Part::Preview); now != seen) {
+    if (const std::uint64_t now = painted(); now != seen) {
       seen = now;
       ++pictures;
       const double t = loop_.now();
@@ -433,6 +437,7 @@ void Bench::frames() {
 }
 
 void Bench::minute() {
+  prepare();  // whatever was undone before
   press(letterKey('B'));
   loop_.forget();
   const double end = loop_.now() + 1e3 * request_.seconds;

@@ -103,11 +103,12 @@ void EditorLoop::noteNews(FrameRecord& record) {
   constexpr std::pair<Part, const char*> kShown[] = {
       {Part::Scan, "scan"},     {Part::Labels, "labels"},   {Part::Selection, "selection"},
       {Part::Colour, "result"}, {Part::Preview, "preview"}, {Part::Regions, "regions"}};
-  const auto& now = editor_->snapshot().version;
-  for (const auto& [part, name] : kShown)
-    if (const auto p = static_cast<std::size_t>(part); now[p] != shown_[p])
-      record.news += (record.news.empty() ? "" : ", ") + std::string(name);
-  shown_ = now;
+  for (const auto& [part, name] : kShown) {
+    const std::uint64_t now = editor_->view().paintedVersion(part);
+    std::uint64_t& before = shown_[static_cast<std::size_t>(part)];
+    if (now != before) record.news += (record.news.empty() ? "" : ", ") + std::string(name);
+    before = now;
+  }
 }
 
 void EditorLoop::frame() {

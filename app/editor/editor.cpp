@@ -16,8 +16,9 @@
 namespace dapple {
 namespace {
 
-// Of a frame's 33 ms, for the picture: OpenGL in software takes some ten for the rest.
-constexpr DetailPacer::Milliseconds kBudget(18);
+// Of a frame's 33 ms, for the picture: OpenGL in software takes some ten for the rest, and more
+// while a synthesis has the processors.
+constexpr DetailPacer::Milliseconds kBudget(12);
 constexpr float kBrushStep = 1.15f;  // times, a notch of the wheel
 constexpr float kPick = 4;           // logical pixels
 constexpr float kStrokeReach = 8;    // logical pixels
@@ -241,7 +242,9 @@ void Editor::viewPanel(const Layout& layout) {
   const bool hovered = ImGui::IsItemHovered();
   navigate(layout, hovered);
   toolInput(layout, hovered);
-  settled_ = !view_.draw(layout.viewport(), kBudget);
+  // To complete every preview would take the processors from the synthesis.
+  const bool passing = snapshot_->previewColour && !status_.paused;
+  settled_ = !view_.draw(layout.viewport(), kBudget, passing);
   if (view_.texture() != 0 && !view_.empty()) showPicture(layout);
   overlays_.draw(view_, settings_, {stroke_, hand_.overlay(tools_, view_)}, min);
   drawViewLegend(view_, settings_.show,

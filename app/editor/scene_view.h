@@ -6,14 +6,12 @@
 #include <memory>
 #include <optional>
 
+#include "app/editor/scene_painter.h"
 #include "app/render/gl_objects.h"
 #include "app/render/live_view.h"
 #include "app/render/open_gl_view.h"
 #include "app/render/orbit_camera.h"
 #include "app/render/picking.h"
-#include "app/render/views.h"
-#include "document/channels.h"
-#include "document/engine.h"
 
 namespace dapple {
 
@@ -37,20 +35,22 @@ class SceneView {
   explicit SceneView(Workers& workers, std::function<void()> ready = {});
   ~SceneView();
 
-  // Makes the picture that of the snapshot: takes what has changed since the last call. What is to
-  // be drawn of a scan that was just opened is made ready on another thread (loading()). As soon as
-  // its file is read its points are shown, of one size, to be looked at only (opening()).
+  // Has what has changed since the last call made ready on another thread, and takes what has been
+  // made. As soon as a scan's file is read its points are shown, of one size.
   void follow(std::shared_ptr<const Snapshot> snapshot, const ViewSettings& settings);
-  bool loading() const { return preparing_.valid(); }
+  // The points are not the document's, or not yet: they are to be looked at only.
   bool opening() const;
   bool empty() const { return !scene_; }
 
   // Points that a tool is about to select, shown as selected. Empty: none.
   void setPending(const std::vector<Index>& points);
+  // They have been submitted: shown until the selection is.
+  void submitPending();
 
   // Draws the picture of this size as far as the budget allows. False: nothing is left to do until
-  // there is something new to follow().
-  bool draw(Viewport size, DetailPacer::Milliseconds budget);
+  // there is something new to follow(). `passing`: another picture will follow soon, this one need
+  // not be made complete.
+  bool draw(Viewport size, DetailPacer::Milliseconds budget, bool passing = false);
 
   OrbitCamera& camera() { return camera_; }
   // In the direction of the camera, all of the scan or what is selected.
@@ -58,6 +58,10 @@ class SceneView {
   void frameSelection();
   // The picture is that of the snapshot, at full detail.
   bool complete() const;
+  // Of the snapshot whose colours the points have.
+  std::uint64_t paintedVersion(Part part) const {
+    return paintedVersion_[static_cast<std::size_t>(part)];
+  }
   // Of the last picture.
   Camera pictureCamera() const { return camera_.camera(bounds()); }
   const Raster& picture() const { return live_.picture(); }
@@ -67,8 +71,8 @@ class SceneView {
   // software many times faster. (left, bottom): pixels. Leaves the scissor test disabled.
   void copyPicture(int left, int bottom) const;
   bool drawnByOpenGl() const { return openGl_.has_value(); }
-  // Of each point, for outlines; empty when there is only one.
-  const std::vector<Index>& regions() const { return regions_; }
+  // Of each point, for outlines; null when there is only one.
+  const std::shared_ptr<const std::vector<Index>>& regions() const { return regions_; }
   const std::optional<HeatRange>& legend() const { return legend_; }
   // Why the view that was asked for cannot be shown; empty: it is.
   const std::string& missing() const { return missing_; }
@@ -82,18 +86,17 @@ class SceneView {
   const Snapshot& snapshot() const { return *snapshot_; }
 
  private:
-  struct Scene;
   struct Texels;
-  struct Made;
-  void prepare();
-  void takeScene();
+  struct FoundTexels;
+  void ask();
+  void takePainted();
+  void takeGeometry(const PaintedScene& painted);
   void followTexels();
+  void takeTexels();
   void showTexels(bool show);
-  static std::shared_ptr<Texels> findTexels(const Document& document);
-  void showVisible();
-  void recolour();
-  void baseColours();
-  void tint(std::size_t i);
+  static std::shared_ptr<Texels> findTexels(const Document& document,
+                                            const std::vector<Index>& order);
+  void updateOpenGl();
   void chooseRenderer();
   void upload();
 
@@ -101,11 +104,12 @@ class SceneView {
   std::shared_ptr<const Snapshot> snapshot_;
   ViewSettings settings_;
   std::function<void()> ready_;
-  std::shared_ptr<Made> made_;
-  std::future<void> preparing_;
-  std::shared_ptr<const void> wanted_;  // the scan or the points that the scene is, or will be, of
-  std::shared_ptr<Scene> scene_;
-  std::future<std::shared_ptr<Texels>> findingTexels_;
+  ScenePainter painter_;
+  std::uint64_t asked_ = 0, painted_ = 0;  // wishes
+  std::array<std::uint64_t, kParts> paintedVersion_{};
+  std::shared_ptr<const SceneGeometry> scene_;
+  std::future<void> findingTexels_;
+  std::shared_ptr<FoundTexels> foundTexels_;
   std::shared_ptr<Texels> texels_;  // of the results that are shown, or of older ones
   bool texelsShown_ = false;
   LiveView live_;  // with OpenGL: for picking
@@ -117,16 +121,13 @@ class SceneView {
   std::optional<GlFramebuffer> textureBuffer_;  // to copy from
   std::vector<std::uint32_t> flipped_;          // the picture as OpenGL has its rows
   int textureWidth_ = 0, textureHeight_ = 0;
-  std::uint64_t uploaded_ = 0;  // version of the picture
-  std::vector<float> radii_;    // as drawn: 0 in hidden regions
-  std::vector<vec3> colours_;
-  PlainPoints plain_;
-  PointChannels channels_;  // of the snapshot's results, made when a view asks for them
-  bool channelsKnown_ = false;
-  std::vector<Index> pending_, regions_;
+  std::uint64_t uploaded_ = 0;                       // version of the picture
+  std::shared_ptr<const std::vector<float>> radii_;  // as drawn: 0 in hidden regions
+  std::shared_ptr<const std::vector<Index>> regions_;
+  std::vector<Index> pending_;
+  std::optional<std::uint64_t> pendingUntil_;  // the selection has this version
   std::optional<HeatRange> legend_;
   std::string missing_;
-  bool stale_ = false;  // the colours are to be made again
   bool complete_ = true;
 };
 

@@ -34,10 +34,14 @@ float surfaceRadius(const SceneView& view, const Camera& camera, const vec3& at,
 
 }  // namespace
 
-void ToolHand::abort(SceneView& view) {
+void ToolHand::forget() {
   active_ = false;
   path_.clear(), gathered_.clear();
   stroke_ = {};
+}
+
+void ToolHand::abort(SceneView& view) {
+  forget();
   view.setPending({});
 }
 
@@ -96,10 +100,11 @@ void ToolHand::finish(const ToolSettings& settings, SceneView& view, Engine& eng
       engine.submit(AddStroke{labels[stroke_.points.front()], stroke_});
   } else if (settings.tool == Tool::Brush) {
     engine.submit(Select{gathered_, mode_});
+    view.submitPending();
   } else {
     engine.submit(Select{outlined(settings, view), mode_});
   }
-  abort(view);
+  forget();
 }
 
 void ToolHand::update(const ToolInput& input, const ToolSettings& settings, SceneView& view,

@@ -50,6 +50,7 @@ class ToolHand {
   OverlayLines overlay(const ToolSettings& settings, const SceneView& view) const;
 
  private:
+  void forget();
   void brush(const ToolInput& input, const ToolSettings& settings, SceneView& view);
   void stroke(const ToolInput& input, SceneView& view);
   void finish(const ToolSettings& settings, SceneView& view, Engine& engine);

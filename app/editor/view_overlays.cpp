@@ -36,15 +36,15 @@ const OverlayLines& ViewOverlays::resting(const SceneView& view, const ViewSetti
   const Of wanted{.camera = view.pictureCamera(),
                   .width = view.picture().width,
                   .height = view.picture().height,
-                  .outlines = settings.outlines && !view.regions().empty(),
+                  .outlines = settings.outlines && view.regions(),
                   .directions = settings.directions && document.results.frame,
-                  .labels = document.labels,
+                  .labels = view.regions(),
                   .regions = document.regions,
                   .frames = document.results.frame};
   if (wanted == of_) return lines_;
   of_ = wanted;
   lines_.clear();
-  if (wanted.outlines) lines_ = outlineLines(over, view.regions());
+  if (wanted.outlines) lines_ = outlineLines(over, *view.regions());
   if (wanted.directions)
     add(lines_, directionLines(over, document.points().positions, upOf(document)));
   return lines_;

@@ -247,17 +247,17 @@ void orderTiles(Frame& frame) {
                    [&](std::uint32_t a, std::uint32_t b) { return apart(a) < apart(b); });
 }
 
-void setSwatch(const Swatch& swatch, SplatScene& s) {
-  s.swatchWidth = swatch.width, s.swatchHeight = swatch.height;
-  s.swatchRepeats = swatch.tileable;
+void setSwatch(const Swatch& swatch, SplatTexels& t) {
+  t.width = swatch.width, t.height = swatch.height;
+  t.repeats = swatch.tileable;
   const auto pixelAt = [&](int x, int y) {
-    const int column = s.swatchRepeats ? x % s.swatchWidth : std::min(x, s.swatchWidth - 1);
-    const int row = s.swatchRepeats ? y % s.swatchHeight : std::min(y, s.swatchHeight - 1);
-    return packedColour(swatch.colours()[static_cast<std::size_t>(row * s.swatchWidth + column)]);
+    const int column = t.repeats ? x % t.width : std::min(x, t.width - 1);
+    const int row = t.repeats ? y % t.height : std::min(y, t.height - 1);
+    return packedColour(swatch.colours()[static_cast<std::size_t>(row * t.width + column)]);
   };
-  for (int y = 0; y < s.swatchHeight; ++y)
-    for (int x = 0; x < s.swatchWidth; ++x)
-      s.swatch.push_back(
+  for (int y = 0; y < t.height; ++y)
+    for (int x = 0; x < t.width; ++x)
+      t.swatch.push_back(
           {pixelAt(x, y), pixelAt(x + 1, y), pixelAt(x, y + 1), pixelAt(x + 1, y + 1)});
 }
 
@@ -265,26 +265,13 @@ Index pointOf(const SplatScene& scene, std::size_t i) {
   return scene.order.empty() ? static_cast<Index>(i) : scene.order[i];
 }
 
-void setTexture(const SplatTexture* texture, Workers& workers, SplatScene& s) {
-  const std::size_t room = texture ? paddedToLanes(s.size) : 0;
-  for (auto* column : {&s.texelX, &s.texelY, &s.sx, &s.sy, &s.sz, &s.tx, &s.ty, &s.tz})
-    column->resize(room);
-  s.swatch.clear();
-  if (!texture) return;
-  DAPPLE_CHECK(texture->texel.size(), ==, s.size);
-  DAPPLE_CHECK(texture->frame.size(), ==, s.size);
-  const float perPixel = 1 / texture->scale;
+void setColours(const std::vector<vec3>& colours, const PlainPoints& plain, Workers& workers,
+                SplatScene& s) {
+  s.colour.resize(paddedToLanes(colours.size()));
   forChunks(workers, s.size, [&](std::size_t i) {
     const Index point = pointOf(s, i);
-    const TangentFrame& frame = texture->frame[point];
-    const vec3 right = perPixel * frame.s, up = perPixel * frame.t;
-    const vec2 texel = texture->texel[point] - 0.5f;
-    s.texelX[i] = texel.x, s.texelY[i] = texel.y;
-    s.sx[i] = right.x, s.sy[i] = right.y, s.sz[i] = right.z;
-    s.tx[i] = up.x, s.ty[i] = up.y, s.tz[i] = up.z;
+    s.colour[i] = packedColour(colours[point], !plain.empty() && plain[point] != 0);
   });
-  s.longestStep = texture->longestStep;
-  setSwatch(texture->swatch, s);
 }
 
 void setBlocks(Workers& workers, SplatScene& s) {
@@ -301,28 +288,32 @@ void setBlocks(Workers& workers, SplatScene& s) {
 
 }  // namespace
 
-struct CpuSplatter::Scene : SplatScene {
-  std::vector<Index> placeOf;  // of each point in `order`; empty as that is
+struct CpuSplatter::Drawing {
   Frame frame;
   ScratchPool<TilePainter> painters{[] { return std::make_unique<TilePainter>(); }};
 };
 
-CpuSplatter::CpuSplatter(Workers& workers) : workers_(workers), scene_(std::make_unique<Scene>()) {}
+CpuSplatter::CpuSplatter(Workers& workers)
+    : workers_(workers),
+      scene_(std::make_shared<SplatScene>()),
+      drawing_(std::make_unique<Drawing>()) {}
 CpuSplatter::~CpuSplatter() = default;
 
-void CpuSplatter::update(const SplatColumns& columns) {
+std::shared_ptr<SplatScene> makeSplatScene(const SplatColumns& columns, Workers& workers) {
   const std::size_t n = columns.positions.size(), room = paddedToLanes(n);
   DAPPLE_CHECK(columns.normals.size(), ==, n);
+  DAPPLE_CHECK(columns.colours.size(), ==, n);
   DAPPLE_CHECK(columns.radii.size(), ==, n);
   if (columns.order) DAPPLE_CHECK(columns.order->size(), ==, n);
-  Scene& s = *scene_;
+  auto made = std::make_shared<SplatScene>();
+  SplatScene& s = *made;
   s.size = n;
-  s.order = columns.order ? *columns.order : std::vector<Index>();
+  if (columns.order) s.order = *columns.order;
   s.placeOf.resize(s.order.size());
   for (std::size_t i = 0; i < s.order.size(); ++i) s.placeOf[s.order[i]] = static_cast<Index>(i);
   for (auto* column : {&s.x, &s.y, &s.z, &s.nx, &s.ny, &s.nz}) column->resize(room);
   s.radius.assign(room, 0);
-  forChunks(workers_, n, [&](std::size_t i) {
+  forChunks(workers, n, [&](std::size_t i) {
     const Index point = pointOf(s, i);
     const vec3 &p = columns.positions[point], normal = columns.normals[point];
     const float length = glm::length(normal);
@@ -331,39 +322,81 @@ void CpuSplatter::update(const SplatColumns& columns) {
     s.nx[i] = unit.x, s.ny[i] = unit.y, s.nz[i] = unit.z;
     s.radius[i] = columns.radii[point];
   });
-  setBlocks(workers_, s);
-  recolour(columns.colours);
-  setTexture(columns.texture, workers_, s);
+  setBlocks(workers, s);
+  setColours(columns.colours, {}, workers, s);
+  return made;
+}
+
+std::shared_ptr<const SplatTexels> makeSplatTexels(const SplatTexture& texture,
+                                                   const std::vector<Index>* order,
+                                                   Workers& workers) {
+  const std::size_t n = texture.texel.size();
+  DAPPLE_CHECK(texture.frame.size(), ==, n);
+  auto made = std::make_shared<SplatTexels>();
+  SplatTexels& t = *made;
+  for (auto* column : {&t.x, &t.y, &t.sx, &t.sy, &t.sz, &t.tx, &t.ty, &t.tz})
+    column->resize(paddedToLanes(n));
+  const float perPixel = 1 / texture.scale;
+  forChunks(workers, n, [&](std::size_t i) {
+    const std::size_t point = order && !order->empty() ? (*order)[i] : i;
+    const TangentFrame& frame = texture.frame[point];
+    const vec3 right = perPixel * frame.s, up = perPixel * frame.t;
+    const vec2 texel = texture.texel[point] - 0.5f;
+    t.x[i] = texel.x, t.y[i] = texel.y;
+    t.sx[i] = right.x, t.sy[i] = right.y, t.sz[i] = right.z;
+    t.tx[i] = up.x, t.ty[i] = up.y, t.tz[i] = up.z;
+  });
+  t.longestStep = texture.longestStep;
+  setSwatch(texture.swatch, t);
+  return made;
+}
+
+void CpuSplatter::update(const SplatColumns& columns) {
+  show(makeSplatScene(columns, workers_));
+  retexture(columns.texture);
 }
 
 void CpuSplatter::retexture(const SplatTexture* texture) {
-  setTexture(texture, workers_, *scene_);
+  show(texture ? makeSplatTexels(*texture, &scene_->order, workers_) : nullptr);
 }
 
 void CpuSplatter::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
   DAPPLE_CHECK(colours.size(), ==, scene_->size);
   if (!plain.empty()) DAPPLE_CHECK(plain.size(), ==, scene_->size);
-  Scene& s = *scene_;
-  s.colour.resize(paddedToLanes(colours.size()));
-  forChunks(workers_, s.size, [&](std::size_t i) {
-    const Index point = pointOf(s, i);
-    s.colour[i] = packedColour(colours[point], !plain.empty() && plain[point] != 0);
-  });
+  setColours(colours, plain, workers_, *scene_);
 }
 
-void CpuSplatter::recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
-                           std::span<const Index> points) {
+void CpuSplatter::show(std::shared_ptr<SplatScene> scene) {
+  scene_ = std::move(scene);
+}
+
+void CpuSplatter::show(std::shared_ptr<const SplatTexels> texels) {
+  if (texels) DAPPLE_CHECK(texels->x.size(), ==, paddedToLanes(scene_->size));
+  scene_->texels = std::move(texels);
+}
+
+void CpuSplatter::swapColours(std::vector<std::uint32_t>& colours) {
   DAPPLE_CHECK(colours.size(), ==, scene_->size);
-  Scene& s = *scene_;
-  for (const Index point : points)
-    s.colour[s.placeOf.empty() ? point : s.placeOf[point]] =
-        packedColour(colours[point], !plain.empty() && plain[point] != 0);
+  colours.resize(paddedToLanes(colours.size()));
+  std::swap(scene_->colour, colours);
+}
+
+void CpuSplatter::tint(std::span<const Index> points, const Tint& tint) {
+  SplatScene& s = *scene_;
+  for (const Index point : points) {
+    std::uint32_t& colour = s.colour[s.placeOf.empty() ? point : s.placeOf[point]];
+    colour = tint.over(colour);
+  }
+}
+
+std::span<const std::uint32_t> CpuSplatter::colours() const {
+  return {scene_->colour.data(), scene_->size};
 }
 
 void CpuSplatter::begin(const Camera& camera, int width, int height, const SplatOptions& options,
                         Raster& out) {
   validate(width, height, options);
-  Frame& frame = scene_->frame;
+  Frame& frame = drawing_->frame;
   const int samples = options.samples;
   frame.options = options;
   frame.view = viewOf(camera, height * samples, options);
@@ -390,7 +423,7 @@ void CpuSplatter::begin(const Camera& camera, int width, int height, const Splat
 }
 
 bool CpuSplatter::advance(std::chrono::steady_clock::time_point until, Raster& out) {
-  Frame& frame = scene_->frame;
+  Frame& frame = drawing_->frame;
   const std::size_t left = frame.order.size() - frame.firstLeft;
   std::atomic<bool> late = false;
   std::atomic<std::size_t> splats = frame.splats;
@@ -398,7 +431,7 @@ bool CpuSplatter::advance(std::chrono::steady_clock::time_point until, Raster& o
     // The first is drawn in any case, so that every call gets on.
     if (k > 0 && late.load(std::memory_order_relaxed)) return;
     const std::size_t tile = frame.order[frame.firstLeft + k];
-    scene_->painters.use(
+    drawing_->painters.use(
         [&](TilePainter& painter) { splats += painter.paint(*scene_, frame, tile, out); });
     frame.drawn[tile] = 1;
     if (std::chrono::steady_clock::now() >= until) late.store(true, std::memory_order_relaxed);
@@ -410,7 +443,7 @@ bool CpuSplatter::advance(std::chrono::steady_clock::time_point until, Raster& o
 }
 
 std::size_t CpuSplatter::splatsDrawn() const {
-  return scene_->frame.splats;
+  return drawing_->frame.splats;
 }
 
 void CpuSplatter::draw(const Camera& camera, int width, int height, const SplatOptions& options,

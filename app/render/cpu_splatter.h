@@ -29,6 +29,15 @@ struct Raster {
 
 Image toImage(const Raster& raster);
 
+// What update() and retexture() take long for, made on any thread to be shown at once (show()).
+// The columns are copied; `columns.texture` is left aside. `order`: SplatColumns'.
+struct SplatScene;
+struct SplatTexels;
+std::shared_ptr<SplatScene> makeSplatScene(const SplatColumns& columns, Workers& workers);
+std::shared_ptr<const SplatTexels> makeSplatTexels(const SplatTexture& texture,
+                                                   const std::vector<Index>* order,
+                                                   Workers& workers);
+
 class CpuSplatter {
  public:
   explicit CpuSplatter(Workers& workers);
@@ -38,11 +47,18 @@ class CpuSplatter {
   void update(const SplatColumns& columns);
   // New colours for the same n points, in the order of the columns.
   void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
-  // Only these points are coloured otherwise.
-  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
-                std::span<const Index> points);
   // Another swatch inside the splats of the same n points; null: none.
   void retexture(const SplatTexture* texture);
+
+  // Without any copy: another scene, without texels; texels of as many points, or null; colours as
+  // packedColour() has them, in the order in which the points are drawn (n), exchanged for those
+  // that were shown (n and more).
+  void show(std::shared_ptr<SplatScene> scene);
+  void show(std::shared_ptr<const SplatTexels> texels);
+  void swapColours(std::vector<std::uint32_t>& colours);
+  void tint(std::span<const Index> points, const Tint& tint);
+  // As swapColours() has them.
+  std::span<const std::uint32_t> colours() const;
 
   // The same bytes at any number of threads and on any processor. Throws InvalidInput as
   // SplatRenderer::draw().
@@ -58,9 +74,10 @@ class CpuSplatter {
   std::size_t splatsDrawn() const;
 
  private:
-  struct Scene;
+  struct Drawing;
   Workers& workers_;
-  std::unique_ptr<Scene> scene_;
+  std::shared_ptr<SplatScene> scene_;
+  std::unique_ptr<Drawing> drawing_;
 };
 
 }  // namespace dapple

@@ -55,9 +55,26 @@ void LiveView::retexture(const SplatTexture* texture) {
   stale_ = true;
 }
 
-void LiveView::recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
-                        std::span<const Index> points) {
-  splatter_.recolour(colours, plain, points);
+void LiveView::show(std::shared_ptr<SplatScene> scene, LevelOrder levels) {
+  splatter_.show(std::move(scene));
+  levels_ = std::move(levels);
+  stale_ = true;
+  started_ = false;
+}
+
+void LiveView::show(std::shared_ptr<const SplatTexels> texels) {
+  splatter_.show(std::move(texels));
+  stale_ = true;
+}
+
+void LiveView::swapColours(std::vector<std::uint32_t>& colours) {
+  splatter_.swapColours(colours);
+  stale_ = true;
+}
+
+void LiveView::tint(std::span<const Index> points, const Tint& tint) {
+  if (points.empty()) return;
+  splatter_.tint(points, tint);
   stale_ = true;
 }
 

@@ -49,9 +49,13 @@ class LiveView {
   // As CpuSplatter's, but the columns' order is the view's own: the points are in Morton order.
   void update(const SplatColumns& columns);
   void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
-  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain,
-                std::span<const Index> points);
   void retexture(const SplatTexture* texture);
+  // As CpuSplatter's; the scene has been made with the columns' order of these levels.
+  void show(std::shared_ptr<SplatScene> scene, LevelOrder levels);
+  void show(std::shared_ptr<const SplatTexels> texels);
+  void swapColours(std::vector<std::uint32_t>& colours);
+  void tint(std::span<const Index> points, const Tint& tint);
+  std::span<const std::uint32_t> colours() const { return splatter_.colours(); }
 
   // Draws into picture() what the budget allows. When the camera, size or options (their level of
   // detail aside) differ from the last call's, or the points or colours were changed since, that is
@@ -60,6 +64,11 @@ class LiveView {
   // InvalidInput as SplatRenderer::draw().
   Progress frame(const Camera& camera, int width, int height, const SplatOptions& options,
                  DetailPacer::Milliseconds budget);
+
+  // The picture is this one, complete or not.
+  bool shows(const Camera& camera, int width, int height, const SplatOptions& options) const {
+    return !stale_ && shown_ == PictureRequest(camera, width, height, options);
+  }
 
   // With the points' ids and depths.
   const Raster& picture() const { return raster_; }

@@ -11,8 +11,8 @@ void OpenGlView::update(const SplatColumns& columns) {
   started_ = false;
 }
 
-void OpenGlView::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
-  renderer_.recolour(colours, plain);
+void OpenGlView::recolour(std::span<const std::uint32_t> packed) {
+  renderer_.recolour(packed);
   stale_ = true;
 }
 

@@ -14,13 +14,17 @@ class OpenGlView {
  public:
   // As LiveView's.
   void update(const SplatColumns& columns);
-  void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  void recolour(std::span<const std::uint32_t> packed);  // as LiveView::swapColours() has them
   void retexture(const SplatTexture* texture);
 
   // The same promise as LiveView::frame(), but that the complete picture is drawn at once: in
   // software it is late. Throws InvalidInput as SplatRenderer::draw().
   LiveView::Progress frame(const Camera& camera, int width, int height, const SplatOptions& options,
                            DetailPacer::Milliseconds budget);
+
+  bool shows(const Camera& camera, int width, int height, const SplatOptions& options) const {
+    return !stale_ && shown_ == PictureRequest(camera, width, height, options);
+  }
 
   // width x height of the last frame(), the lowest row first; 0 before.
   GLuint texture() const { return picture_ ? picture_->id() : 0; }

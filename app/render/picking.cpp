@@ -152,7 +152,7 @@ void checkView(const PickView& view) {
 
 }  // namespace
 
-struct Picker::Columns {
+struct PickColumns {
   std::size_t size = 0;
   // Padded to whole blocks, with points that are nowhere.
   std::vector<float> x, y, z, radius;
@@ -195,15 +195,17 @@ struct Picker::Query {
   const PolygonMask* polygon = nullptr;
 };
 
-Picker::Picker(Workers& workers) : workers_(workers), columns_(std::make_unique<Columns>()) {}
+Picker::Picker(Workers& workers) : workers_(workers), columns_(std::make_shared<PickColumns>()) {}
 Picker::~Picker() = default;
 
-void Picker::update(const std::vector<vec3>& positions, const std::vector<vec3>& normals,
-                    const std::vector<float>& radii) {
+std::shared_ptr<const PickColumns> makePickColumns(const std::vector<vec3>& positions,
+                                                   const std::vector<vec3>& normals,
+                                                   const std::vector<float>& radii) {
   const std::size_t n = positions.size(), room = (n + kBlock - 1) / kBlock * kBlock;
   DAPPLE_CHECK(radii.size(), ==, n);
   if (!normals.empty()) DAPPLE_CHECK(normals.size(), ==, n);
-  Columns& c = *columns_;
+  auto made = std::make_shared<PickColumns>();
+  PickColumns& c = *made;
   c.size = n;
   for (auto* column : {&c.x, &c.y, &c.z})
     column->assign(room, std::numeric_limits<float>::quiet_NaN());
@@ -218,6 +220,16 @@ void Picker::update(const std::vector<vec3>& positions, const std::vector<vec3>&
   c.radius = radii;
   c.radius.resize(room, 0);
   c.normals = normals;
+  return made;
+}
+
+void Picker::show(std::shared_ptr<const PickColumns> columns) {
+  columns_ = std::move(columns);
+}
+
+void Picker::update(const std::vector<vec3>& positions, const std::vector<vec3>& normals,
+                    const std::vector<float>& radii) {
+  show(makePickColumns(positions, normals, radii));
 }
 
 std::vector<Index> Picker::find(const PickView& view, const Query& query) const {

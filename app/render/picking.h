@@ -38,6 +38,13 @@ struct Ball {
   const Neighborhoods* neighborhoods = nullptr;
 };
 
+// The points as the picker looks for them; made on any thread.
+struct PickColumns;
+// n elements each; normals may be empty. Points with a radius of 0 are not there.
+std::shared_ptr<const PickColumns> makePickColumns(const std::vector<vec3>& positions,
+                                                   const std::vector<vec3>& normals,
+                                                   const std::vector<float>& radii);
+
 // Keeps its own columns of the points. All results are ascending and the same at any number of
 // threads. A point is seen when it lies no deeper than the traced surface at its pixel by about its
 // splat's radius, more where the surface is seen edge-on, and on the same side of it: points under
@@ -47,7 +54,8 @@ class Picker {
   explicit Picker(Workers& workers);
   ~Picker();
 
-  // n elements each; normals may be empty. Points with a radius of 0 are not there.
+  void show(std::shared_ptr<const PickColumns> columns);
+  // show(makePickColumns(...)).
   void update(const std::vector<vec3>& positions, const std::vector<vec3>& normals,
               const std::vector<float>& radii);
 
@@ -66,14 +74,13 @@ class Picker {
   std::vector<Index> visible(const PickView& view, std::span<const Index> points) const;
 
  private:
-  struct Columns;
   struct Query;
   std::vector<Index> find(const PickView& view, const Query& query) const;
   Index nearestUntraced(const PickView& view, vec2 pixel, float tolerance) const;
   std::vector<Index> connected(const Ball& ball, std::span<const Index> inside) const;
 
   Workers& workers_;
-  std::unique_ptr<Columns> columns_;
+  std::shared_ptr<const PickColumns> columns_;
 };
 
 }  // namespace dapple

@@ -40,8 +40,8 @@ GlTexture makeSwatchTexture(const Swatch& swatch) {
 
 // Leaves the buffer and the vertex array bound.
 template <typename T>
-void SplatBuffers::upload(const GlBuffer& buffer, const std::vector<T>& column) {
-  const std::size_t bytes = column.size() * sizeof(T);
+void SplatBuffers::upload(const GlBuffer& buffer, std::span<const T> column) {
+  const std::size_t bytes = column.size_bytes();
   glBindVertexArray(array_.id());
   glBindBuffer(GL_ARRAY_BUFFER, buffer.id());
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), column.data(), GL_DYNAMIC_DRAW);
@@ -49,7 +49,7 @@ void SplatBuffers::upload(const GlBuffer& buffer, const std::vector<T>& column) 
 }
 
 void SplatBuffers::setPositions(const std::vector<vec3>& positions) {
-  upload(positions_, positions);
+  upload<vec3>(positions_, positions);
   glVertexAttribPointer(kPosition, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
   glEnableVertexAttribArray(kPosition);
 }
@@ -57,23 +57,20 @@ void SplatBuffers::setPositions(const std::vector<vec3>& positions) {
 void SplatBuffers::setNormals(const std::vector<vec3>& normals) {
   std::vector<std::uint32_t> packed(normals.size());
   std::transform(normals.begin(), normals.end(), packed.begin(), packedNormal);
-  upload(normals_, packed);
+  upload<std::uint32_t>(normals_, packed);
   // Not normalised: OpenGL before 4.2 would turn 0 into 1/1023.
   glVertexAttribPointer(kNormal, 4, GL_INT_2_10_10_10_REV, GL_FALSE, 0, nullptr);
   glEnableVertexAttribArray(kNormal);
 }
 
-void SplatBuffers::setColours(const std::vector<vec3>& colours, const PlainPoints& plain) {
-  std::vector<std::uint32_t> packed(colours.size());
-  for (std::size_t i = 0; i < packed.size(); ++i)
-    packed[i] = packedColour(colours[i], !plain.empty() && plain[i] != 0);
+void SplatBuffers::setColours(std::span<const std::uint32_t> packed) {
   upload(colours_, packed);
   glVertexAttribPointer(kColour, 4, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
   glEnableVertexAttribArray(kColour);
 }
 
 void SplatBuffers::setRadii(const std::vector<float>& radii) {
-  upload(radii_, radii);
+  upload<float>(radii_, radii);
   glVertexAttribPointer(kRadius, 1, GL_FLOAT, GL_FALSE, 0, nullptr);
   glEnableVertexAttribArray(kRadius);
 }
@@ -88,11 +85,11 @@ void SplatBuffers::setTexture(const SplatTexture* texture) {
     s.push_back(frame.s / texture->scale);
     t.push_back(frame.t / texture->scale);
   }
-  upload(texels_, texture->texel);
+  upload<vec2>(texels_, texture->texel);
   glVertexAttribPointer(kTexel, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
-  upload(swatchS_, s);
+  upload<vec3>(swatchS_, s);
   glVertexAttribPointer(kSwatchS, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
-  upload(swatchT_, t);
+  upload<vec3>(swatchT_, t);
   glVertexAttribPointer(kSwatchT, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
   for (const GLuint attribute : {kTexel, kSwatchS, kSwatchT}) glEnableVertexAttribArray(attribute);
   swatch_ = makeSwatchTexture(texture->swatch);

@@ -11,9 +11,8 @@ namespace dapple {
 class SplatBuffers {
  public:
   void setPositions(const std::vector<vec3>& positions);
-  void setNormals(const std::vector<vec3>& normals);  // 10 bits a coordinate
-  void setColours(const std::vector<vec3>& colours,
-                  const PlainPoints& plain = {});  // 8 bits a channel
+  void setNormals(const std::vector<vec3>& normals);       // 10 bits a coordinate
+  void setColours(std::span<const std::uint32_t> packed);  // packedColour()
   void setRadii(const std::vector<float>& radii);
   void setTexture(const SplatTexture* texture);
 
@@ -25,7 +24,7 @@ class SplatBuffers {
 
  private:
   template <typename T>
-  void upload(const GlBuffer& buffer, const std::vector<T>& column);
+  void upload(const GlBuffer& buffer, std::span<const T> column);
 
   GlVertexArray array_;
   GlBuffer positions_, normals_, colours_, radii_, texels_, swatchS_, swatchT_;

@@ -35,12 +35,12 @@ struct SwatchStep {
 struct SwatchCorners {
   Int8 of[4];
 };
-[[gnu::always_inline]] inline void readCorners(const SplatScene& scene, const Int8& places,
+[[gnu::always_inline]] inline void readCorners(const SplatTexels& texels, const Int8& places,
                                                SwatchCorners& out) {
   Int4 quads[kLanes];
   for (std::size_t l = 0; l < kLanes; ++l)
     quads[l] =
-        *reinterpret_cast<const Int4*>(scene.swatch[static_cast<std::size_t>(places[l])].data());
+        *reinterpret_cast<const Int4*>(texels.swatch[static_cast<std::size_t>(places[l])].data());
   Int8 rows[4];  // quads l and l + 4
   for (std::size_t l = 0; l < 4; ++l)
     rows[l] = __builtin_shufflevector(quads[l], quads[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
@@ -59,13 +59,13 @@ struct SwatchCorners {
 struct SwatchColours {
   Float8 red, green, blue;
 };
-[[gnu::always_inline]] inline void readSwatch(const SplatScene& scene, const Float8& x,
+[[gnu::always_inline]] inline void readSwatch(const SplatTexels& texels, const Float8& x,
                                               const Float8& y, SwatchColours& out) {
   SwatchStep column, row;
-  stepInSwatch(x, scene.swatchWidth, scene.swatchRepeats, column);
-  stepInSwatch(y, scene.swatchHeight, scene.swatchRepeats, row);
+  stepInSwatch(x, texels.width, texels.repeats, column);
+  stepInSwatch(y, texels.height, texels.repeats, row);
   SwatchCorners corners;
-  readCorners(scene, row.first * scene.swatchWidth + column.first, corners);
+  readCorners(texels, row.first * texels.width + column.first, corners);
   const Float8 shares[] = {(1 - row.beyond) * (1 - column.beyond), (1 - row.beyond) * column.beyond,
                            row.beyond * (1 - column.beyond), row.beyond * column.beyond};
   out.red = out.green = out.blue = Float8{};
@@ -246,7 +246,7 @@ template <int kColumns>
                                              const Float8& weight, const Samples& samples,
                                              SplatTile& tile) {
   SwatchColours c;
-  readSwatch(scene, p.texelX + p.xPerX * samples.dx + p.xPerY * samples.dy,
+  readSwatch(*scene.texels, p.texelX + p.xPerX * samples.dx + p.xPerY * samples.dy,
              p.texelY + p.yPerX * samples.dx + p.yPerY * samples.dy, c);
   c.red *= p.red, c.green *= p.green, c.blue *= p.blue;
   addTexels<kColumns, 0>(weight, c, samples, tile);

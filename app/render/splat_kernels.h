@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,22 +25,27 @@ struct SplatBlocks {
   std::vector<float> nx, ny, nz;       // mean normal, any length
 };
 
+// The swatch inside the splats, by points as SplatScene has them.
+struct SplatTexels {
+  std::vector<float> x, y;                    // swatch pixels from the first one's centre, or NaN
+  std::vector<float> sx, sy, sz, tx, ty, tz;  // the swatch's axes, divided by a pixel's length
+  // Each of the swatch's pixels with its right, lower and lower right neighbours, as
+  // Raster::pixels.
+  std::vector<std::array<std::uint32_t, 4>> swatch;
+  int width = 0, height = 0;  // of the swatch
+  bool repeats = false;
+  float longestStep = 0;  // swatch pixels from sample to sample; further away it is not shown
+};
+
 // What is drawn, a column for each number, padded to whole lanes.
 struct SplatScene {
   std::size_t size = 0;
   std::vector<float> x, y, z, nx, ny, nz, radius;  // local units; a normal may be zero
   std::vector<std::uint32_t> colour;               // as Raster::pixels
   std::vector<Index> order;                        // which point each is; empty: they are in order
+  std::vector<Index> placeOf;                      // of each point in `order`; empty as that is
   SplatBlocks blocks;
-  // Without a texture these are empty.
-  std::vector<float> texelX, texelY;          // swatch pixels from the first one's centre, or NaN
-  std::vector<float> sx, sy, sz, tx, ty, tz;  // the swatch's axes, divided by a pixel's length
-  // Each of the swatch's pixels with its right, lower and lower right neighbours, as
-  // Raster::pixels.
-  std::vector<std::array<std::uint32_t, 4>> swatch;
-  int swatchWidth = 0, swatchHeight = 0;
-  bool swatchRepeats = false;
-  float longestStep = 0;  // swatch pixels from sample to sample; further away it is not shown
+  std::shared_ptr<const SplatTexels> texels;  // null: all show their colours
 };
 
 // The camera as seen by the loops: x to the right, y down, depth along the view axis. Samples are

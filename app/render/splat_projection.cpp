@@ -186,9 +186,10 @@ struct DiscSteps {
                                                const Discs& d, const DiscSteps& steps,
                                                ProjectedSplats& out) {
   const auto first = static_cast<std::size_t>(out.first);
+  const SplatTexels& texels = *scene.texels;
   Seen s, t;
-  rotate(view, lanes(&scene.sx[first]), lanes(&scene.sy[first]), lanes(&scene.sz[first]), s);
-  rotate(view, lanes(&scene.tx[first]), lanes(&scene.ty[first]), lanes(&scene.tz[first]), t);
+  rotate(view, lanes(&texels.sx[first]), lanes(&texels.sy[first]), lanes(&texels.sz[first]), s);
+  rotate(view, lanes(&texels.tx[first]), lanes(&texels.ty[first]), lanes(&texels.tz[first]), t);
   const Float8 rayS = d.sx * s.x + d.sy * s.y + s.depth;
   const Float8 rayT = d.sx * t.x + d.sy * t.y + t.depth;
   const Float8 xx = steps.x * rayS + steps.sideways * s.x;
@@ -196,10 +197,10 @@ struct DiscSteps {
   // Image rows run down.
   const Float8 yx = -(steps.x * rayT + steps.sideways * t.x);
   const Float8 yy = -(steps.y * rayT + steps.sideways * t.y);
-  const Float8 texelX = lanes(&scene.texelX[first]);
-  lanes(out.texelX) = texelX, lanes(out.texelY) = lanes(&scene.texelY[first]);
+  const Float8 texelX = lanes(&texels.x[first]);
+  lanes(out.texelX) = texelX, lanes(out.texelY) = lanes(&texels.y[first]);
   lanes(out.xPerX) = xx, lanes(out.xPerY) = xy, lanes(out.yPerX) = yx, lanes(out.yPerY) = yy;
-  const float longest = scene.longestStep * scene.longestStep;
+  const float longest = texels.longestStep * texels.longestStep;
   // NaN compares false.
   Int8 mayShow;
   for (std::size_t l = 0; l < kLanes; ++l) mayShow[l] = scene.colour[first + l] >> 24 != 0 ? -1 : 0;
@@ -287,7 +288,7 @@ struct Light {
   lanes(out.slopeX) = n.x * perSlope, lanes(out.slopeY) = n.y * perSlope;
   lanes(out.textured) = Int8{};
   const DiscSteps steps{n.x * perSlope, n.y * perSlope, d.distance / view.focal};
-  if (!scene.swatch.empty()) placeSwatch(scene, view, d, steps, out);
+  if (scene.texels) placeSwatch(scene, view, d, steps, out);
   Light light;
   lightOf(view, d, facing, light);
   readColours(scene, light, out);

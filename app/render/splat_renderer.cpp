@@ -352,6 +352,16 @@ std::vector<T> inOrder(const std::vector<T>& column, const std::vector<Index>& o
   return out;
 }
 
+std::vector<std::uint32_t> packedInOrder(const std::vector<vec3>& colours, const PlainPoints& plain,
+                                         const std::vector<Index>& order) {
+  std::vector<std::uint32_t> packed(colours.size());
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    const std::size_t point = order.empty() ? i : order[i];
+    packed[i] = packedColour(colours[point], !plain.empty() && plain[point] != 0);
+  }
+  return packed;
+}
+
 // Copies of columns in the order in which they are drawn.
 struct OrderedTexture {
   std::vector<vec2> texel;
@@ -400,7 +410,7 @@ void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& chan
   p.order.clear();
   if (changes.positions) p.buffers.setPositions(columns.positions);
   if (changes.normals) p.buffers.setNormals(columns.normals);
-  if (changes.colours) p.buffers.setColours(columns.colours);
+  if (changes.colours) p.buffers.setColours(packedInOrder(columns.colours, {}, {}));
   if (changes.radii) p.buffers.setRadii(columns.radii);
   if (changes.texture) p.buffers.setTexture(columns.texture);
   if (changes.positions || changes.normals || changes.radii) p.chunks = splatChunks(columns);
@@ -411,10 +421,12 @@ void SplatRenderer::update(const SplatColumns& columns, const SplatChanges& chan
 void SplatRenderer::recolour(const std::vector<vec3>& colours, const PlainPoints& plain) {
   DAPPLE_CHECK(colours.size(), ==, pipeline_->count);
   if (!plain.empty()) DAPPLE_CHECK(plain.size(), ==, pipeline_->count);
-  const std::vector<Index>& order = pipeline_->order;
-  const bool plainly = !plain.empty() && !order.empty();
-  pipeline_->buffers.setColours(order.empty() ? colours : inOrder(colours, order),
-                                plainly ? inOrder(plain, order) : plain);
+  recolour(packedInOrder(colours, plain, pipeline_->order));
+}
+
+void SplatRenderer::recolour(std::span<const std::uint32_t> packed) {
+  DAPPLE_CHECK(packed.size(), ==, pipeline_->count);
+  pipeline_->buffers.setColours(packed);
   glBindVertexArray(0);
 }
 

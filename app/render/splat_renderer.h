@@ -34,6 +34,8 @@ class SplatRenderer {
   void update(const SplatColumns& columns, const SplatChanges& changes = {});
   // New colours for the same n points: 4 n bytes are uploaded, nothing else happens.
   void recolour(const std::vector<vec3>& colours, const PlainPoints& plain = {});
+  // The same, as packedColour() has them, in the order in which the points are drawn.
+  void recolour(std::span<const std::uint32_t> packed);
   // Another swatch inside the splats of the same n points; null: none.
   void retexture(const SplatTexture* texture);
   // By update() and recolour() so far.

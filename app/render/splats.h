@@ -40,8 +40,9 @@ using PlainPoints = std::vector<std::uint8_t>;
 
 // 8 bits a channel: red in the lowest byte, then green, blue, 255. 0..1, clamped.
 inline std::uint32_t packedColour(const vec3& colour) {
+  // Through int: SSE has no conversion to unsigned.
   const auto byte = [](float v) {
-    return static_cast<std::uint32_t>(std::clamp(255 * v, 0.f, 255.f) + 0.5f);
+    return static_cast<std::uint32_t>(static_cast<int>(std::clamp(255 * v, 0.f, 255.f) + 0.5f));
   };
   return byte(colour.r) | byte(colour.g) << 8 | byte(colour.b) << 16 | 0xff000000u;
 }
@@ -50,6 +51,17 @@ inline std::uint32_t packedColour(const vec3& colour) {
 inline std::uint32_t packedColour(const vec3& colour, bool plain) {
   return plain ? packedColour(colour) & 0xffffffu : packedColour(colour);
 }
+
+// A colour laid over points, whose texels it hides.
+struct Tint {
+  vec3 colour{1};
+  float share = 0.5f;  // of the colour; the rest is the point's own
+
+  std::uint32_t over(std::uint32_t packed) const {
+    const vec3 own(packed & 255, packed >> 8 & 255, packed >> 16 & 255);
+    return packedColour(glm::mix(own / 255.f, colour, share), true);
+  }
+};
 
 // What a splat may show of the swatch: the texel of each point whose colour is the swatch's there,
 // filtered to the point's spacing (n, local units) or not. NaN for the others: blends, and points

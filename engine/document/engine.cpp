@@ -411,9 +411,9 @@ struct Engine::Core {
     context.watch.begins = [&board](auto points, std::size_t before, std::size_t total) {
       board.begins(points, before, total);
     };
-    context.watch.ends = [this, &board](const SourceMap& map) {
+    context.watch.ends = [this, now, &board](const SourceMap& map) {
       board.ends(map);
-      publishPreview(board);
+      publishPreview(*now);
     };
     context.watch.keepsDone = [now] { return now->kept = now->ending == Ending::Keep; };
     context.watch.shown = [&board] { return Preview{board.colours(), board.states()}; };
@@ -431,7 +431,7 @@ struct Engine::Core {
 
   void showPreview(Job& now, const Preview& preview) {
     now.board->show(preview);
-    publishPreview(*now.board);
+    publishPreview(now);
   }
 
   void showOpening(const PointSet& points) {
@@ -440,10 +440,11 @@ struct Engine::Core {
     if (options.changed) options.changed();
   }
 
-  void publishPreview(const PreviewBoard& board) {
-    auto colour = std::make_shared<const std::vector<vec3>>(board.colours());
-    auto state = std::make_shared<const std::vector<PointState>>(board.states());
+  void publishPreview(const Job& now) {
+    auto colour = std::make_shared<const std::vector<vec3>>(now.board->colours());
+    auto state = std::make_shared<const std::vector<PointState>>(now.board->states());
     replaceSnapshot([&](Snapshot& next) {
+      if (now.ending == Ending::Discard) return;
       next.previewColour = std::move(colour);
       next.previewState = std::move(state);
     });
@@ -479,13 +480,22 @@ struct Engine::Core {
   }
 
   void endByUser(Ending how) {
-    const std::lock_guard lock(mutex);
-    if (job) {
-      job->byUser = true;
-      job->end(how);
-    } else if (reader && how == Ending::Discard) {
-      reader->end(how);
+    bool discards = false;
+    {
+      const std::lock_guard lock(mutex);
+      if (job) {
+        job->byUser = true;
+        job->end(how);
+        discards = how == Ending::Discard;
+      } else if (reader && how == Ending::Discard) {
+        reader->end(how);
+      }
     }
+    // The picture is as before at once, however long the job takes to notice.
+    if (!discards) return;
+    replaceSnapshot(
+        [](Snapshot& next) { next.previewColour = nullptr, next.previewState = nullptr; });
+    if (options.changed) options.changed();
   }
 
   bool busy() const {
