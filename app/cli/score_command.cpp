@@ -45,14 +45,15 @@ void runScore(const ScoreArguments& a, const TextureOptions& options, Monitor& m
   const std::optional<SourceMap> map = readSourceMap(prepared.scan);
   // Against the directions that were asked for, as `texture` does; the patches' own frames would
   // only tell that a patch agrees with itself.
-  const std::vector<TangentFrame> frames = framesTowards(points, options.up);
-  const TextureScore score = scorePoints(prepared,
-                                         {.colours = points.colours,
-                                          .swatch = swatch,
-                                          .unit = unitOf(a, prepared.scan),
-                                          .map = map ? &*map : nullptr,
-                                          .frames = &frames},
-                                         monitor);
+  const OrientationField asked = directionsOf(points, prepared.neighborhoods, {}, options, monitor);
+  const TextureScore score =
+      scorePoints(prepared,
+                  {.colours = points.colours,
+                   .swatch = swatch,
+                   .unit = unitOf(a, prepared.scan),
+                   .map = map ? &*map : nullptr,
+                   .frames = options.field == FieldMethod::Random ? nullptr : &asked.frames},
+                  monitor);
   if (a.json)
     fmt::print("{}\n", scoreJson(score).dump(2));
   else
@@ -70,7 +71,8 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common) {
   sub->add_option("--unit", a->unit,
                   "size of a swatch pixel in the scan's units [from the file's comment]")
       ->check(CLI::PositiveNumber);
-  for (const char* name : {"tileable", "up"}) addTableOption(*sub, name, common.table);
+  for (const char* name : {"tileable", "up", "field", "symmetry", "creases"})
+    addTableOption(*sub, name, common.table);
   sub->add_flag("--json", a->json, "print JSON");
   addCommonOptions(*sub, common);
   return {sub, &common, [a, &common](Monitor& monitor) { runScore(*a, common.table, monitor); }};

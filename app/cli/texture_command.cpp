@@ -157,17 +157,18 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   source.swatch = made;
   const Swatch& swatch = *made;
   const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, {}, monitor);
-  const TexturedPoints textured = texturePoints(prepared, swatch, options, monitor);
+  const TexturedPoints textured = texturePoints(prepared, swatch, {}, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
-    score = scorePoints(prepared,
-                        {.colours = textured.map.colour,
-                         .swatch = swatch,
-                         .unit = textured.map.scale,
-                         .map = &textured.map,
-                         // Against random directions there is nothing to measure.
-                         .frames = options.randomDirections ? nullptr : &textured.frames},
-                        monitor);
+    score =
+        scorePoints(prepared,
+                    {.colours = textured.map.colour,
+                     .swatch = swatch,
+                     .unit = textured.map.scale,
+                     .map = &textured.map,
+                     // Against random directions there is nothing to measure.
+                     .frames = options.field == FieldMethod::Random ? nullptr : &textured.frames},
+                    monitor);
   const auto saving = std::chrono::steady_clock::now();
   exportTable(a.output, tableOf(prepared, textured.map, source, a.exported, monitor), a.ascii,
               monitor);

@@ -117,6 +117,8 @@ TextureOptions optionsOf(const json& from) {
   for (const OptionRow& row : optionsTable())
     if (const auto at = from.find(std::string(row.name)); at != from.end())
       setOption(options, row, at->get<std::string>());
+  // As it was called before there were fields.
+  if (from.value("random-directions", "no") == "yes") options.field = FieldMethod::Random;
   return options;
 }
 
