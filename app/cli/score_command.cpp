@@ -5,6 +5,7 @@
 #include "app/cli/cli.h"
 #include "app/cli/report.h"
 #include "base/errors.h"
+#include "document/strokes_file.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr int kNeighbours = 25;
 
 struct ScoreArguments {
-  std::string scan, swatch;
+  std::string scan, swatch, strokes;
   double unit = 0;
   bool json = false;
 };
@@ -45,7 +46,10 @@ void runScore(const ScoreArguments& a, const TextureOptions& options, Monitor& m
   const std::optional<SourceMap> map = readSourceMap(prepared.scan);
   // Against the directions that were asked for, as `texture` does; the patches' own frames would
   // only tell that a patch agrees with itself.
-  const OrientationField asked = directionsOf(points, prepared.neighborhoods, {}, options, monitor);
+  const std::vector<Stroke> strokes =
+      strokesFrom(a.strokes, points, prepared.neighborhoods, monitor);
+  const OrientationField asked =
+      directionsOf(points, prepared.neighborhoods, strokes, options, monitor);
   const TextureScore score =
       scorePoints(prepared,
                   {.colours = points.colours,
@@ -68,6 +72,7 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common) {
   auto a = std::make_shared<ScoreArguments>();
   sub->add_option("scan", a->scan, "textured scan")->required();
   sub->add_option("--swatch", a->swatch, "the image that it was textured from")->required();
+  addStrokesOption(*sub, a->strokes);
   sub->add_option("--unit", a->unit,
                   "size of a swatch pixel in the scan's units [from the file's comment]")
       ->check(CLI::PositiveNumber);
