@@ -93,7 +93,7 @@ Timed runCase(const Case& c, const Scan& scan, const Swatch& swatch, Monitor& mo
       orientNormals(positions, out.prepared.neighborhoods, out.prepared.scan.points.normals,
                     monitor);
     }
-    out.result = texturePoints(out.prepared, swatch, c.options, monitor);
+    out.result = texturePoints(out.prepared, swatch, {}, c.options, monitor);
   });
   out.rate = static_cast<double>(positions.size()) / seconds;
   return out;

@@ -9,6 +9,7 @@
 #include "document/live_regions.h"
 #include "document_fixtures.h"
 #include "fixtures.h"
+#include "points/tangent_frames.h"
 
 using namespace dapple;
 using namespace dapple::fixtures;

@@ -121,7 +121,7 @@ TEST_CASE("a whole scan is synthesized byte for byte as the command line does it
   Workers workers;
   Monitor monitor(workers);
   const TexturedPoints alone =
-      texturePoints(d.scan->prepared, *findRegion(d, 0)->swatch, options, monitor);
+      texturePoints(d.scan->prepared, *findRegion(d, 0)->swatch, {}, options, monitor);
   const SourceMap map = wholeMap(d);
   CHECK(map.colour == alone.map.colour);
   CHECK(map.texel == alone.map.texel);

@@ -112,6 +112,12 @@ void addDrawingOptions(CLI::App& app, DrawingArguments& arguments) {
       ->capture_default_str();
 }
 
+void addStrokesOption(CLI::App& app, std::string& path) {
+  app.add_option("--strokes", path,
+                 "lines over the surface along which the swatch's top points: JSON, or a Dapple "
+                 "project of the same scan");
+}
+
 void addCommonOptions(CLI::App& app, CommonOptions& common) {
   addTableOption(app, "threads", common.table);
   app.add_flag("--quiet", common.quiet, "no progress and no summary");
@@ -123,11 +129,11 @@ int runCommandLine(int argc, char** argv) {
   CLI::App app{"Dapple textures point-sampled scans by example.", "dapple"};
   app.set_version_flag("--version", DAPPLE_VERSION);
   app.require_subcommand(1);
-  std::vector<CommonOptions> common(5);
+  std::vector<CommonOptions> common(6);
   const std::vector<Subcommand> commands{
       addTextureCommand(app, common[0]), addInfoCommand(app, common[1]),
-      addRenderCommand(app, common[2]), addScoreCommand(app, common[3]),
-      addEditCommand(app, common[4])};
+      addRenderCommand(app, common[2]),  addScoreCommand(app, common[3]),
+      addFieldCommand(app, common[4]),   addEditCommand(app, common[5])};
   try {
     app.parse(argumentsOf(argc, argv));
     for (const Subcommand& command : commands)

@@ -28,6 +28,7 @@ Subcommand addTextureCommand(CLI::App& app, CommonOptions& common);
 Subcommand addInfoCommand(CLI::App& app, CommonOptions& common);
 Subcommand addRenderCommand(CLI::App& app, CommonOptions& common);
 Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
+Subcommand addFieldCommand(CLI::App& app, CommonOptions& common);
 Subcommand addEditCommand(CLI::App& app, CommonOptions& common);
 
 // An option, or a flag, of the options table: help, default, range and behaviour cannot differ.
@@ -38,6 +39,9 @@ struct DrawingArguments {
   std::string renderer = "auto", texels = "auto", shading, background = "white";
 };
 void addDrawingOptions(CLI::App& app, DrawingArguments& arguments);
+
+// --strokes FILE.
+void addStrokesOption(CLI::App& app, std::string& path);
 
 // --threads, --quiet and --progress.
 void addCommonOptions(CLI::App& app, CommonOptions& common);

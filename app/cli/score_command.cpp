@@ -5,6 +5,7 @@
 #include "app/cli/cli.h"
 #include "app/cli/report.h"
 #include "base/errors.h"
+#include "document/strokes_file.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr int kNeighbours = 25;
 
 struct ScoreArguments {
-  std::string scan, swatch;
+  std::string scan, swatch, strokes;
   double unit = 0;
   bool json = false;
 };
@@ -45,14 +46,18 @@ void runScore(const ScoreArguments& a, const TextureOptions& options, Monitor& m
   const std::optional<SourceMap> map = readSourceMap(prepared.scan);
   // Against the directions that were asked for, as `texture` does; the patches' own frames would
   // only tell that a patch agrees with itself.
-  const std::vector<TangentFrame> frames = framesTowards(points, options.up);
-  const TextureScore score = scorePoints(prepared,
-                                         {.colours = points.colours,
-                                          .swatch = swatch,
-                                          .unit = unitOf(a, prepared.scan),
-                                          .map = map ? &*map : nullptr,
-                                          .frames = &frames},
-                                         monitor);
+  const std::vector<Stroke> strokes =
+      strokesFrom(a.strokes, points, prepared.neighborhoods, monitor);
+  const OrientationField asked =
+      directionsOf(points, prepared.neighborhoods, strokes, options, monitor);
+  const TextureScore score =
+      scorePoints(prepared,
+                  {.colours = points.colours,
+                   .swatch = swatch,
+                   .unit = unitOf(a, prepared.scan),
+                   .map = map ? &*map : nullptr,
+                   .frames = options.field == FieldMethod::Random ? nullptr : &asked.frames},
+                  monitor);
   if (a.json)
     fmt::print("{}\n", scoreJson(score).dump(2));
   else
@@ -67,10 +72,12 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common) {
   auto a = std::make_shared<ScoreArguments>();
   sub->add_option("scan", a->scan, "textured scan")->required();
   sub->add_option("--swatch", a->swatch, "the image that it was textured from")->required();
+  addStrokesOption(*sub, a->strokes);
   sub->add_option("--unit", a->unit,
                   "size of a swatch pixel in the scan's units [from the file's comment]")
       ->check(CLI::PositiveNumber);
-  for (const char* name : {"tileable", "up"}) addTableOption(*sub, name, common.table);
+  for (const char* name : {"tileable", "up", "field", "symmetry", "creases"})
+    addTableOption(*sub, name, common.table);
   sub->add_flag("--json", a->json, "print JSON");
   addCommonOptions(*sub, common);
   return {sub, &common, [a, &common](Monitor& monitor) { runScore(*a, common.table, monitor); }};

@@ -12,6 +12,7 @@
 #include "document/channels.h"
 #include "document/export_format.h"
 #include "document/options_table.h"
+#include "document/strokes_file.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
 
@@ -19,8 +20,8 @@ namespace dapple {
 namespace {
 
 struct TextureArguments {
-  std::string scan, swatch, output, report, picture, view = "front", size = "1280x720",
-                                                     show = "colour";
+  std::string scan, swatch, strokes, output, report, picture, view = "front", size = "1280x720",
+                                                              show = "colour";
   DrawingArguments drawing;
   LoadOptions load;
   ExportOptions exported;
@@ -31,6 +32,7 @@ struct TextureArguments {
 void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("scan", a.scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
   app.add_option("--swatch", a.swatch, "sample image, 2 to 16384 pixels a side")->required();
+  addStrokesOption(app, a.strokes);
   app.add_option("-o,--output", a.output, "textured scan to write: .ply, .obj or .xyz")->required();
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
@@ -157,17 +159,20 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   source.swatch = made;
   const Swatch& swatch = *made;
   const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, {}, monitor);
-  const TexturedPoints textured = texturePoints(prepared, swatch, options, monitor);
+  const std::vector<Stroke> strokes =
+      strokesFrom(a.strokes, prepared.scan.points, prepared.neighborhoods, monitor);
+  const TexturedPoints textured = texturePoints(prepared, swatch, strokes, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
-    score = scorePoints(prepared,
-                        {.colours = textured.map.colour,
-                         .swatch = swatch,
-                         .unit = textured.map.scale,
-                         .map = &textured.map,
-                         // Against random directions there is nothing to measure.
-                         .frames = options.randomDirections ? nullptr : &textured.frames},
-                        monitor);
+    score =
+        scorePoints(prepared,
+                    {.colours = textured.map.colour,
+                     .swatch = swatch,
+                     .unit = textured.map.scale,
+                     .map = &textured.map,
+                     // Against random directions there is nothing to measure.
+                     .frames = options.field == FieldMethod::Random ? nullptr : &textured.frames},
+                    monitor);
   const auto saving = std::chrono::steady_clock::now();
   exportTable(a.output, tableOf(prepared, textured.map, source, a.exported, monitor), a.ascii,
               monitor);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/errors.h"
+#include "points/tangent_frames.h"
 #include "regions/surface_distance.h"
 #include "synthesis/baselines.h"
 #include "synthesis/texture_extension.h"

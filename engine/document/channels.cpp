@@ -6,6 +6,7 @@
 
 #include "base/errors.h"
 #include "document/edits.h"
+#include "points/tangent_frames.h"
 
 namespace dapple {
 namespace {

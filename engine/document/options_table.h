@@ -13,7 +13,9 @@ namespace dapple {
 using OptionField =
     std::variant<bool TextureOptions::*, int TextureOptions::*, double TextureOptions::*,
                  std::uint64_t TextureOptions::*, vec3 TextureOptions::*, Method TextureOptions::*,
-                 GapFill TextureOptions::*, Tileable TextureOptions::*>;
+                 GapFill TextureOptions::*, Tileable TextureOptions::*,
+                 FieldMethod TextureOptions::*, FieldSymmetry TextureOptions::*,
+                 Creases TextureOptions::*>;
 
 struct OptionRow {
   std::string_view name;     // as on the command line, without the dashes

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.h"
@@ -117,6 +118,8 @@ TextureOptions optionsOf(const json& from) {
   for (const OptionRow& row : optionsTable())
     if (const auto at = from.find(std::string(row.name)); at != from.end())
       setOption(options, row, at->get<std::string>());
+  // As it was called before there were fields.
+  if (from.value("random-directions", "no") == "yes") options.field = FieldMethod::Random;
   return options;
 }
 
@@ -239,6 +242,14 @@ json settingsOf(const Document& document, const fs::path& project) {
   return {{"version", kProjectVersion}, {"scan", from}, {"regions", regions}, {"sources", sources}};
 }
 
+RecordTable readTable(const fs::path& path, Monitor& monitor) {
+  monitor.begin(Stage::Load, 0);
+  InputFile file(path, monitor);
+  if (!looksLikePly(file.peek(std::min<std::size_t>(16, file.size()))))
+    throw InvalidInput(file.path() + ": this is no Dapple project");
+  return readPly(file, monitor);
+}
+
 json readSettings(const RecordTable& table, const std::string& file) {
   const auto mark = std::find(table.comments.begin(), table.comments.end(), kMark);
   if (mark == table.comments.end())
@@ -331,8 +342,14 @@ Column<Region> readRegions(const json& settings, const OpenProject& command,
   return std::make_shared<const std::vector<Region>>(std::move(regions));
 }
 
-void readStrokes(const Columns& columns, Document& document, const std::string& file) {
-  if (columns.count() == 0) return;
+struct RegionStroke {
+  RegionId region;
+  Stroke stroke;
+};
+
+std::vector<RegionStroke> strokesOf(const Columns& columns) {
+  std::vector<RegionStroke> out;
+  if (columns.count() == 0) return out;
   const auto region = columns.read<std::uint8_t, std::uint8_t>({"region"});
   const auto weight = columns.read<float, float>({"weight"});
   const auto scale = columns.read<float, float>({"scale"});
@@ -341,8 +358,16 @@ void readStrokes(const Columns& columns, Document& document, const std::string& 
   for (std::size_t s = 0; s < region->size(); ++s) {
     Stroke stroke{.positions = positions[s], .points = points[s], .weight = (*weight)[s]};
     if ((*scale)[s] != 0) stroke.scale = (*scale)[s];
+    out.push_back({(*region)[s], std::move(stroke)});
+  }
+  return out;
+}
+
+void readStrokes(const Columns& columns, Document& document, const std::string& file) {
+  for (RegionStroke& from : strokesOf(columns)) {
     try {
-      document = edited(document, AddStroke{.region = (*region)[s], .stroke = std::move(stroke)});
+      document =
+          edited(document, AddStroke{.region = from.region, .stroke = std::move(from.stroke)});
     } catch (const InvalidInput& error) {
       refuse(file, error.what());
     }
@@ -491,17 +516,43 @@ void saveProject(const Document& document, const fs::path& path, Monitor& monito
 }
 
 Document loadProject(const OpenProject& command, const CommandContext& context, Monitor& monitor) {
-  monitor.begin(Stage::Load, 0);
-  InputFile file(command.path, monitor);
-  if (!looksLikePly(file.peek(std::min<std::size_t>(16, file.size()))))
-    throw InvalidInput(command.path + ": this is no Dapple project");
-  const RecordTable table = readPly(file, monitor);
+  const RecordTable table = readTable(command.path, monitor);
   const json settings = readSettings(table, command.path);
   try {
     return assembled(settings, table, command, context, monitor);
   } catch (const json::exception& error) {
     refuse(command.path, fmt::format("its settings lack something ({})", error.what()));
   }
+}
+
+std::vector<NamedStroke> readProjectStrokes(const fs::path& path, std::size_t points,
+                                            Monitor& monitor) {
+  const std::string file = path.string();
+  const RecordTable table = readTable(path, monitor);
+  const json settings = readSettings(table, file);
+  const std::size_t own = Columns(file, table, "point").count();
+  if (own != points)
+    throw InvalidInput(
+        fmt::format("{}: its strokes run over a scan of {} points, and this one has {}; give the "
+                    "scan that the project was made with",
+                    file, own, points));
+  std::map<RegionId, std::string> names;
+  try {
+    for (const json& region : settings.at("regions"))
+      names[region.at("id").get<RegionId>()] = region.at("name");
+  } catch (const json::exception& error) {
+    refuse(file, fmt::format("its settings lack something ({})", error.what()));
+  }
+  std::vector<NamedStroke> out;
+  for (RegionStroke& from : strokesOf(Columns(file, table, "stroke"))) {
+    try {
+      validate(from.stroke, points);
+    } catch (const InvalidInput& error) {
+      refuse(file, error.what());
+    }
+    out.push_back({std::move(from.stroke), names[from.region]});
+  }
+  return out;
 }
 
 }  // namespace dapple

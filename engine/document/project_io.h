@@ -8,6 +8,7 @@
 #pragma once
 
 #include "document/apply.h"
+#include "document/strokes_file.h"
 
 namespace dapple {
 
@@ -24,5 +25,10 @@ void saveProject(const Document& document, const std::filesystem::path& path, Mo
 // fit, a scan that is not there or not the same; the message names the file, what is wrong and what
 // to do. A swatch that is not there is noted (context.note): its region keeps its name and result.
 Document loadProject(const OpenProject& command, const CommandContext& context, Monitor& monitor);
+
+// The strokes of all regions of a project, without opening the rest. Throws IoError; InvalidInput,
+// also when its scan has another number of points than `points`; Cancelled.
+std::vector<NamedStroke> readProjectStrokes(const std::filesystem::path& path, std::size_t points,
+                                            Monitor& monitor);
 
 }  // namespace dapple

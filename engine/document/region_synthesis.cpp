@@ -48,14 +48,22 @@ std::vector<Stroke> strokesWithin(const Column<Stroke>& strokes, std::span<const
       out.push_back(stroke);
       continue;
     }
-    Stroke inside{.weight = stroke.weight, .scale = stroke.scale};
+    Stroke piece{.weight = stroke.weight, .scale = stroke.scale};
+    const auto endPiece = [&] {
+      if (piece.points.size() >= 2) out.push_back(piece);
+      piece.points.clear();
+      piece.positions.clear();
+    };
     for (std::size_t p = 0; p < stroke.points.size(); ++p) {
       const auto at = std::lower_bound(ids.begin(), ids.end(), stroke.points[p]);
-      if (at == ids.end() || *at != stroke.points[p]) continue;
-      inside.points.push_back(static_cast<Index>(at - ids.begin()));
-      inside.positions.push_back(stroke.positions[p]);
+      if (at == ids.end() || *at != stroke.points[p]) {
+        endPiece();
+        continue;
+      }
+      piece.points.push_back(static_cast<Index>(at - ids.begin()));
+      piece.positions.push_back(stroke.positions[p]);
     }
-    if (inside.points.size() >= 2) out.push_back(std::move(inside));
+    endPiece();
   }
   return out;
 }
@@ -74,11 +82,8 @@ void rotate(std::vector<TangentFrame>& frames, double degrees) {
 std::vector<TangentFrame> framesOf(const PointSet& points, const Neighborhoods& neighborhoods,
                                    const Region& region, std::span<const Stroke> strokes,
                                    Monitor& monitor) {
-  const TextureOptions& options = region.options;
-  std::vector<TangentFrame> frames = options.randomDirections ? randomFrames(points, options.seed)
-                                                              : framesTowards(points, options.up);
-  if (neighborhoods.k > 0)
-    frames = spreadStrokes(points, neighborhoods, strokes, std::move(frames), monitor);
+  std::vector<TangentFrame> frames =
+      std::move(directionsOf(points, neighborhoods, strokes, region.options, monitor).frames);
   rotate(frames, region.rotation);
   return frames;
 }

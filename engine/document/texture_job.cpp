@@ -83,14 +83,27 @@ PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& o
   return out;
 }
 
+OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
+                              std::span<const Stroke> strokes, const TextureOptions& options,
+                              Monitor& monitor) {
+  return orientPoints(points, neighborhoods, strokes,
+                      {.method = options.field,
+                       .symmetry = options.symmetry,
+                       .creases = options.creases,
+                       .up = options.up,
+                       .seed = options.seed},
+                      monitor);
+}
+
 TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
-                             const TextureOptions& options, Monitor& monitor) {
+                             std::span<const Stroke> strokes, const TextureOptions& options,
+                             Monitor& monitor) {
   validate(options);
   Stopwatch watch;
   const PointSet& points = prepared.scan.points;
   TexturedPoints out;
-  out.frames = options.randomDirections ? randomFrames(points, options.seed)
-                                        : framesTowards(points, options.up);
+  out.frames =
+      std::move(directionsOf(points, prepared.neighborhoods, strokes, options, monitor).frames);
   const float unit = prepared.spacing * static_cast<float>(options.scale);
   const SynthesisInput input{.points = points,
                              .neighborhoods = prepared.neighborhoods,

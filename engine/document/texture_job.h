@@ -7,7 +7,7 @@
 
 #include "io/point_io.h"
 #include "points/neighborhoods.h"
-#include "points/tangent_frames.h"
+#include "regions/orientation_field.h"
 #include "synthesis/synthesis.h"
 #include "synthesis/texture_score.h"
 
@@ -34,6 +34,11 @@ using TakePoints = std::function<void(const PointSet&)>;
 PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
                          int neighbours, const TakePoints& loaded, Monitor& monitor);
 
+// The directions that a synthesis with these options follows. Throws InvalidInput, Cancelled.
+OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
+                              std::span<const Stroke> strokes, const TextureOptions& options,
+                              Monitor& monitor);
+
 struct TexturedPoints {
   SourceMap map;
   SynthesisStatistics statistics;
@@ -43,7 +48,8 @@ struct TexturedPoints {
 
 // Synthesizes a colour for every point. Throws InvalidInput, Cancelled.
 TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
-                             const TextureOptions& options, Monitor& monitor);
+                             std::span<const Stroke> strokes, const TextureOptions& options,
+                             Monitor& monitor);
 
 // Levels of the swatch's stack that texturePoints() may read with these options.
 int stackLevels(const TextureOptions& options);

@@ -39,6 +39,12 @@ void renameColours(Element& vertices) {
       if (property.name == name) property.name = std::string("original_") + name;
 }
 
+void addFrames(Element& vertices, const Scan& scan, const std::vector<TangentFrame>& frames) {
+  for (int c = 0; c < 6; ++c)
+    addColumn<float>(vertices, scan, kFrameNames[static_cast<std::size_t>(c)], 0,
+                     [&](Index i) { return c < 3 ? frames[i].s[c] : frames[i].t[c - 3]; });
+}
+
 void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map,
                   std::span<const std::uint16_t> source) {
   addColumn<std::int32_t>(vertices, scan, "swatch", -1, [&](Index i) {
@@ -47,9 +53,7 @@ void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map,
   });
   addColumn<float>(vertices, scan, "texel_x", 0, [&](Index i) { return map.texel[i].x; });
   addColumn<float>(vertices, scan, "texel_y", 0, [&](Index i) { return map.texel[i].y; });
-  for (int c = 0; c < 6; ++c)
-    addColumn<float>(vertices, scan, kFrameNames[static_cast<std::size_t>(c)], 0,
-                     [&](Index i) { return c < 3 ? map.frame[i].s[c] : map.frame[i].t[c - 3]; });
+  addFrames(vertices, scan, map.frame);
   addColumn<std::int32_t>(vertices, scan, "patch", -1,
                           [&](Index i) { return signedId(map.patch[i]); });
   addColumn<std::uint8_t>(vertices, scan, "state", 0,
@@ -96,6 +100,16 @@ RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOp
                 [](const std::string& line) { return line.starts_with(kUnitComment); });
   table.comments.push_back(
       fmt::format("{}{}", kUnitComment, static_cast<double>(map.scale) * scan.points.modelUnits));
+  return table;
+}
+
+RecordTable orientedTable(const Scan& scan, const OrientationField& field) {
+  RecordTable table = scan.table;
+  Element* vertices = table.find("vertex");
+  DAPPLE_CHECK(vertices != nullptr, ==, true);
+  addFrames(*vertices, scan, field.frames);
+  if (!field.scale.empty())
+    addColumn<float>(*vertices, scan, "scale", 1, [&](Index i) { return field.scale[i]; });
   return table;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "io/point_io.h"
+#include "regions/orientation_field.h"
 #include "synthesis/source_map.h"
 
 namespace dapple {
@@ -24,6 +25,10 @@ inline constexpr std::string_view kBorderElement = "dapple_blend";
 // `source` (n): what the swatch column says of each point; empty: 0.
 RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOptions& options,
                           std::span<const std::uint16_t> source = {});
+
+// scan.table with the directions as the frame of a source map has them (frame_sx ... frame_tz) and,
+// where the field has one, its scale.
+RecordTable orientedTable(const Scan& scan, const OrientationField& field);
 
 // What a file that texturedTable() wrote says of the scale: local units per swatch pixel.
 std::optional<float> readUnit(const Scan& scan);

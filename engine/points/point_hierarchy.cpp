@@ -72,12 +72,10 @@ void numberByFirstPoint(std::vector<Index>& cluster, Index clusters) {
   }
 }
 
-}  // namespace
-
-std::vector<Index> clusterByFour(const Neighborhoods& neighborhoods, Index& clusters,
-                                 Monitor& monitor) {
-  const std::size_t n = neighborhoods.size();
-  const std::size_t keyed = std::min(neighborhoods.k, kKeyNeighbours);
+// Links: Neighborhoods or PointGraph.
+template <class Links>
+std::vector<Index> clustersOf(const Links& links, Index& clusters, Monitor& monitor) {
+  const std::size_t n = links.size();
   std::vector<Index> cluster(n, kNone);
   BucketQueue queue(n);
   clusters = 0;
@@ -91,7 +89,7 @@ std::vector<Index> clusterByFour(const Neighborhoods& neighborhoods, Index& clus
     }
     std::array<Index, 4> members{first, kNone, kNone, kNone};
     std::size_t size = 1;
-    for (Index j : neighborhoods.of(first)) {
+    for (Index j : links.of(first)) {
       if (cluster[j] != kNone) continue;
       members[size++] = j;
       if (size == members.size()) break;
@@ -101,12 +99,24 @@ std::vector<Index> clusterByFour(const Neighborhoods& neighborhoods, Index& clus
       queue.retire(members[m]);
     }
     for (std::size_t m = 0; m < size; ++m) {
-      for (Index j : neighborhoods.of(members[m]).first(keyed)) queue.raise(j);
+      const std::span<const Index> row = links.of(members[m]);
+      for (Index j : row.first(std::min(row.size(), kKeyNeighbours))) queue.raise(j);
     }
     if (++clusters % (kBatch / 4) == 0) monitor.checkpoint();
   }
   numberByFirstPoint(cluster, clusters);
   return cluster;
+}
+
+}  // namespace
+
+std::vector<Index> clusterByFour(const Neighborhoods& neighborhoods, Index& clusters,
+                                 Monitor& monitor) {
+  return clustersOf(neighborhoods, clusters, monitor);
+}
+
+std::vector<Index> clusterByFour(const PointGraph& graph, Index& clusters, Monitor& monitor) {
+  return clustersOf(graph, clusters, monitor);
 }
 
 std::vector<HierarchyLevel> buildHierarchy(const PointSet& points,

@@ -6,6 +6,7 @@
 
 #include "base/monitor.h"
 #include "points/neighborhoods.h"
+#include "points/point_graph.h"
 #include "points/point_set.h"
 
 namespace dapple {
@@ -28,9 +29,10 @@ std::vector<HierarchyLevel> buildHierarchy(const PointSet& points,
                                            const Neighborhoods& neighborhoods, int levels,
                                            Monitor& monitor);
 
-// Which cluster of four each point belongs to, n; clusters are numbered by their first point.
-// `clusters` is set to their number.
+// Which cluster of up to four linked points each point belongs to, n; clusters are numbered by
+// their first point. `clusters` is set to their number.
 std::vector<Index> clusterByFour(const Neighborhoods& neighborhoods, Index& clusters,
                                  Monitor& monitor);
+std::vector<Index> clusterByFour(const PointGraph& graph, Index& clusters, Monitor& monitor);
 
 }  // namespace dapple

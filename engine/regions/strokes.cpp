@@ -1,101 +1,65 @@
-// [Zeng] Texture Synthesis from Samples for Point-Sampled Geometry, section 2.3.
-//
-// Departure: the paper averages over a ball of fixed radius; here over the neighbours that are
-// already settled, which needs no radius and gives every reached point a direction.
 #include "regions/strokes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <queue>
 
 #include "base/errors.h"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kCheckpointEvery = 1024;
-constexpr float kFacing = -0.2f;  // normals that look further apart are of another sheet
+constexpr std::size_t kSteppedOver = 8;  // neighbours of a point that a walk may step on
 
-// The direction that `t`, tangent at a normal `from`, becomes at `to` by the smallest rotation.
-vec3 transported(const vec3& t, const vec3& from, const vec3& to) {
-  const vec3 axis = glm::cross(from, to);
-  const vec3 turned = glm::cross(axis, t);
-  return t + turned + glm::cross(axis, turned) / (1 + glm::dot(from, to));
-}
-
-class Spreader {
+class Marker {
  public:
-  Spreader(const PointSet& points, const Neighborhoods& neighborhoods,
-           std::vector<TangentFrame>& frames, Monitor& monitor)
-      : points_(points),
-        neighborhoods_(neighborhoods),
-        frames_(frames),
-        monitor_(monitor),
-        distance_(points.size(), std::numeric_limits<float>::infinity()),
-        settled_(points.size(), 0),
-        drawn_(points.size(), vec3(0)) {}
+  Marker(const PointSet& points, const Neighborhoods& neighborhoods, std::vector<StrokeMark>& marks)
+      : points_(points), neighborhoods_(neighborhoods), marks_(marks) {}
 
   void draw(const Stroke& stroke) {
     const std::size_t m = stroke.points.size();
     for (std::size_t i = 0; i < m; ++i) {
-      const vec3 along =
-          stroke.positions[std::min(i + 1, m - 1)] - stroke.positions[i == 0 ? 0 : i - 1];
-      const Index p = stroke.points[i];
-      const vec3& n = points_.normals[p];
-      const vec3 flat = along - n * glm::dot(n, along);
-      const float length = glm::length(flat);
-      if (length > 0) drawn_[p] += flat * (stroke.weight / length);
-      enter(p, 0);
-    }
-  }
-
-  void run() {
-    std::size_t done = 0;
-    while (!queue_.empty()) {
-      const auto [distance, i] = queue_.top();
-      queue_.pop();
-      if (settled_[i]) continue;
-      settle(i);
-      for (std::size_t c = 0; c < neighborhoods_.k; ++c)
-        enter(neighborhoods_.of(i)[c], distance + distanceTo(i, neighborhoods_.of(i)[c]));
-      if (++done % kCheckpointEvery == 0) monitor_.checkpoint();
+      const vec3& here = stroke.positions[i];
+      const vec3& next = stroke.positions[std::min(i + 1, m - 1)];
+      mark(stroke, stroke.points[i], next - stroke.positions[i == 0 ? 0 : i - 1]);
+      if (i + 1 < m) walk(stroke, stroke.points[i], stroke.points[i + 1], next - here);
     }
   }
 
  private:
-  using Entry = std::pair<float, Index>;
-
-  float distanceTo(Index from, Index to) const {
-    return distanceBetween(points_.positions[from], points_.positions[to]);
+  void mark(const Stroke& stroke, Index point, const vec3& along) {
+    const vec3& n = points_.normals[point];
+    const vec3 flat = along - n * glm::dot(n, along);
+    const float length = glm::length(flat);
+    if (length > 0)
+      marks_.push_back({point, flat / length, stroke.weight, stroke.scale.value_or(1.f)});
   }
 
-  void enter(Index i, float distance) {
-    if (settled_[i] || !(distance < distance_[i])) return;
-    distance_[i] = distance;
-    queue_.push({distance, i});
-  }
-
-  void settle(Index i) {
-    const vec3 n = points_.normals[i];
-    vec3 t = drawn_[i];
-    for (std::size_t c = 0; c < neighborhoods_.k && drawn_[i] == vec3(0); ++c) {
-      const Index j = neighborhoods_.of(i)[c];
-      if (!settled_[j] || glm::dot(points_.normals[j], n) < kFacing) continue;
-      const float weight = 1 / std::max(distanceTo(i, j), 1e-12f);
-      t += weight * transported(frames_[j].t, points_.normals[j], n);
+  // Over the points in between, always to the neighbour that lies nearest to the end: a line of
+  // single points would hardly hold the directions beside it.
+  void walk(const Stroke& stroke, Index from, Index to, const vec3& along) {
+    while (from != to) {
+      const Index next = nearestTo(to, from);
+      if (next == from || next == to) return;
+      mark(stroke, next, along);
+      from = next;
     }
-    settled_[i] = 1;
-    if (glm::dot(t, t) > 0) frames_[i] = orthonormalFrame(n, t);
+  }
+
+  Index nearestTo(Index to, Index from) const {
+    const vec3& end = points_.positions[to];
+    Index best = from;
+    float nearest = distanceBetween(points_.positions[from], end);
+    const std::size_t used = std::min(neighborhoods_.k, kSteppedOver);
+    for (const Index j : neighborhoods_.of(from).first(used)) {
+      const float distance = distanceBetween(points_.positions[j], end);
+      if (distance < nearest) nearest = distance, best = j;
+    }
+    return best;
   }
 
   const PointSet& points_;
   const Neighborhoods& neighborhoods_;
-  std::vector<TangentFrame>& frames_;
-  Monitor& monitor_;
-  std::vector<float> distance_;
-  std::vector<std::uint8_t> settled_;
-  std::vector<vec3> drawn_;  // sum of the strokes at a point, 0 away from them
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+  std::vector<StrokeMark>& marks_;
 };
 
 }  // namespace
@@ -120,18 +84,15 @@ void validate(const Stroke& stroke, std::size_t points) {
         fmt::format("a stroke's scale is {}; it must be above 0 and finite", *stroke.scale));
 }
 
-std::vector<TangentFrame> spreadStrokes(const PointSet& points, const Neighborhoods& neighborhoods,
-                                        std::span<const Stroke> strokes,
-                                        std::vector<TangentFrame> otherwise, Monitor& monitor) {
-  DAPPLE_CHECK(otherwise.size(), ==, points.size());
-  if (strokes.empty()) return otherwise;
-  Spreader spreader(points, neighborhoods, otherwise, monitor);
+std::vector<StrokeMark> strokeMarks(const PointSet& points, const Neighborhoods& neighborhoods,
+                                    std::span<const Stroke> strokes) {
+  std::vector<StrokeMark> marks;
+  Marker marker(points, neighborhoods, marks);
   for (const Stroke& stroke : strokes) {
     validate(stroke, points.size());
-    spreader.draw(stroke);
+    marker.draw(stroke);
   }
-  spreader.run();
-  return otherwise;
+  return marks;
 }
 
 }  // namespace dapple

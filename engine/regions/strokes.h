@@ -1,4 +1,4 @@
-// Directions that a user draws on the surface, and how they spread from there.
+// Directions that a user draws on the surface.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,6 @@
 
 #include "base/monitor.h"
 #include "points/neighborhoods.h"
-#include "points/tangent_frames.h"
 
 namespace dapple {
 
@@ -23,11 +22,18 @@ struct Stroke {
 // Throws InvalidInput that names what is wrong with a stroke over a scan of n points.
 void validate(const Stroke& stroke, std::size_t points);
 
-// Frames (n) that follow the strokes where one lies and, further away, those nearer to a stroke,
-// in the order of their distance ([Zeng] 2.3, by links weighted 1 / distance). Points that no
-// stroke reaches keep their frame of `otherwise` (n).
-std::vector<TangentFrame> spreadStrokes(const PointSet& points, const Neighborhoods& neighborhoods,
-                                        std::span<const Stroke> strokes,
-                                        std::vector<TangentFrame> otherwise, Monitor& monitor);
+// What a stroke says at a point that it runs over.
+struct StrokeMark {
+  Index point;
+  vec3 direction;  // in the point's tangent plane, unit length
+  float weight;
+  float scale;  // 1 where the stroke has none
+};
+
+// The marks of all strokes in their order, along each without gaps: from each of its points to the
+// next they follow the neighbours. A point that several strokes run over, or one several times, has
+// several. Throws InvalidInput as validate() does.
+std::vector<StrokeMark> strokeMarks(const PointSet& points, const Neighborhoods& neighborhoods,
+                                    std::span<const Stroke> strokes);
 
 }  // namespace dapple

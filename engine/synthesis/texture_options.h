@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "regions/field_options.h"
 #include "swatch/swatch.h"
 
 namespace dapple {
@@ -24,7 +25,9 @@ struct TextureOptions {
   bool expand = false;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
-  bool randomDirections = false;
+  FieldMethod field = FieldMethod::Smooth;
+  FieldSymmetry symmetry = FieldSymmetry::None;
+  Creases creases = Creases::Carry;
   double distortion = 1.6;
   double sizeLimit = 0.8;
   std::uint64_t seed = 1;
