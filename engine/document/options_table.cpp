@@ -66,6 +66,12 @@ constexpr std::array kTable = {
               .field = &T::creases,
               .choices = "carry|break",
               .help = "directions go on across sharp edges, or end there"},
+    OptionRow{.name = "follow",
+              .field = &T::follow,
+              .choices = "yes|no",
+              .help =
+                  "patches turn with the directions everywhere, in place of running straight on "
+                  "from where they start"},
     OptionRow{.name = "distortion",
               .field = &T::distortion,
               .low = 0,

@@ -8,6 +8,11 @@
 // 3. The weights in the maximum of D_pos are not normalised, so that D depends on the unit of the
 //    file. Here w = u / max(L, u/1000): distances in swatch pixels.
 // The formulas hold for S x T = N only, which the paper does not say.
+//
+// Beyond the paper ("one challenge is how to maintain the assigned texture orientation consistency
+// in the patch expansion"): charts may follow a field of directions. Steps then turn by half of
+// what the field turns from the contributor to the point, and the point's axes are the field's;
+// where the field cannot be flattened contributors disagree about q, D grows, and the patch ends.
 #include "synthesis/chart_fit.h"
 
 #include <algorithm>
@@ -20,7 +25,8 @@ namespace {
 
 constexpr float kPositionWeight = 2, kOrientationWeight = 3;  // of D
 constexpr float kSteepest =
-    0.01f;  // cosine to the neighbour's plane below which nothing is carried
+    0.01f;                         // cosine to the neighbour's plane below which nothing is carried
+constexpr float kOpposed = 1e-4f;  // squared, of the sum of two directions: they cancel out
 constexpr float kShortest = 1e-3f;  // of a unit: nearer neighbours weigh no more
 
 // What every contributor says: the transfer of Appendix A.
@@ -76,6 +82,14 @@ inline const Float8* lanesOf(const std::vector<float>& column) {
   float most = v[0];
   for (std::size_t l = 1; l < kLanes; ++l) most = v[l] > most ? v[l] : most;
   return most;
+}
+
+// Of the directions that look the same as the frame's t, by whole turns / symmetry, the one that is
+// nearest to `t`.
+vec3 nearestTurn(const TangentFrame& frame, const vec3& t, int symmetry) {
+  const float up = glm::dot(frame.t, t), right = glm::dot(frame.s, t);
+  if (symmetry == 4 && std::abs(right) > std::abs(up)) return right < 0 ? -frame.s : frame.s;
+  return symmetry > 1 && up < 0 ? -frame.t : frame.t;
 }
 
 struct WeightedMean {
@@ -141,7 +155,15 @@ ChartFit::ChartFit(std::size_t capacity, float unit) : unit_(unit) {
 
 void ChartFit::begin(const vec3& position) {
   position_ = position;
+  symmetry_ = 0;
   count_ = 0;
+}
+
+void ChartFit::begin(const vec3& position, const SynthesisInput& input, Index i) {
+  begin(position);
+  if (!input.follow) return;
+  wanted_ = input.frames[i];
+  symmetry_ = input.symmetry;
 }
 
 void ChartFit::add(const ChartSite& neighbour) {
@@ -154,7 +176,22 @@ void ChartFit::add(const ChartSite& neighbour) {
   patch_[c] = neighbour.patch;
 }
 
+// Every contributor's t becomes what lies half way to the field's at the point.
+void ChartFit::steer() {
+  for (std::size_t c = 0; c < count_; ++c) {
+    const vec3 n(columns_.nx[c], columns_.ny[c], columns_.nz[c]);
+    const vec3 t(columns_.tx[c], columns_.ty[c], columns_.tz[c]);
+    const vec3 half = t + nearestTurn(wanted_, t, symmetry_);
+    const vec3 flat = half - n * glm::dot(n, half);
+    const float length2 = glm::dot(flat, flat);
+    if (!(length2 > kOpposed)) continue;
+    const vec3 turned = flat / std::sqrt(length2);
+    columns_.tx[c] = turned.x, columns_.ty[c] = turned.y, columns_.tz[c] = turned.z;
+  }
+}
+
 void ChartFit::finish() {
+  if (symmetry_ > 0) steer();
   carryAll(columns_, count_, unit_);
   filter([&](std::size_t i) { return columns_.weight[i] > 0; });
 }
@@ -208,7 +245,8 @@ void ChartFit::keepNear(vec2 near, float pixels) {
 
 ChartPoint ChartFit::average() const {
   const WeightedMean mean = meanOf(columns_, count_);
-  ChartPoint out{.q = mean.q, .frame = orthonormalFrame(mean.n, mean.t)};
+  const vec3 t = symmetry_ > 0 ? nearestTurn(wanted_, mean.t, symmetry_) : mean.t;
+  ChartPoint out{.q = mean.q, .frame = orthonormalFrame(mean.n, t)};
   const float distortion = distortionOf(columns_, count_, out, mean.weights);
   out.distortion = distortion < 0 ? 0 : distortion;  // by rounding; NaN stays
   return out;

@@ -47,6 +47,8 @@ class ChartFit {
 
   // Starts the fit of a point at `position`.
   void begin(const vec3& position);
+  // The same of point i, whose axes are to be those of `input` where that says so.
+  void begin(const vec3& position, const SynthesisInput& input, Index i);
   void add(const ChartSite& neighbour);  // a contributor
   void finish();                         // computes what every contributor says; drops steep ones
 
@@ -62,6 +64,7 @@ class ChartFit {
   ChartPoint average() const;           // weighted mean and distortion; size() >= 1
 
  private:
+  void steer();
   void moveTo(std::size_t from, std::size_t to);
   void clearTail();
   template <class Keep>
@@ -69,6 +72,9 @@ class ChartFit {
 
   float unit_;
   vec3 position_{0};
+  // That the chart's t should have here and its symmetry; 0: as the neighbours carry it.
+  TangentFrame wanted_;
+  int symmetry_ = 0;
   std::size_t count_ = 0;
   std::vector<Index> patch_;
   ChartColumns columns_;

@@ -72,7 +72,7 @@ class FrameSpreader {
   bool known(Index i) const { return sites_[i].patch != kNone; }
 
   void settle(Index i) {
-    fit_.begin(sites_[i].position);
+    fit_.begin(sites_[i].position, input_, i);
     for (const Index j : input_.neighborhoods.of(i))
       if (known(j) && glm::dot(sites_[i].normal, sites_[j].normal) > 0) fit_.add(sites_[j]);
     fit_.finish();

@@ -198,7 +198,7 @@ class OverlapGrower {
   void gather(const Step& step, ChartFit& fit) const {
     const auto near = input_.neighborhoods.of(step.to);
     const vec3 normal = sites_[step.to].normal;
-    fit.begin(sites_[step.to].position);
+    fit.begin(sites_[step.to].position, input_, step.to);
     for (std::size_t s = 0; s < fitted_; ++s) {
       const Index j = near[s];
       const float within = kSteepest * distanceTo(step.to, j) / input_.unit + kCoherentPixels;

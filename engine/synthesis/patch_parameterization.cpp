@@ -186,7 +186,7 @@ class Grower {
       others |= of != kNone && of != patch;
     }
     if (others && touchesPatch(i, patch)) return markGap(i);
-    fit_.begin(sites_[i].position);
+    fit_.begin(sites_[i].position, input_, i);
     for (std::size_t c = 0; c < count; ++c) {
       const Index j = contributors_[c];
       if (sites_[j].patch == patch && sameSide(i, j)) fit_.add(sites_[j]);
@@ -373,7 +373,7 @@ class GapBlender {
   }
 
   void gather(Index i) {
-    fit_.begin(sites_[i].position);
+    fit_.begin(sites_[i].position, input_, i);
     for (const Index j : input_.neighborhoods.of(i))
       if (coloured(j) && glm::dot(sites_[i].normal, sites_[j].normal) > 0) fit_.add(sites_[j]);
     fit_.finish();
@@ -381,7 +381,7 @@ class GapBlender {
     // Everything around is too steep or faces away: better a neighbour's texel than no colour.
     for (const Index j : input_.neighborhoods.of(i)) {
       if (!coloured(j)) continue;
-      fit_.begin(sites_[j].position);
+      fit_.begin(sites_[j].position, input_, i);
       fit_.add(sites_[j]);
       fit_.finish();
       return;

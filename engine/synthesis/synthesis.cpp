@@ -29,8 +29,12 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
 
 }  // namespace
 
-SynthesisResult synthesize(const SynthesisInput& input, const TextureOptions& options,
+SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
                            Monitor& monitor) {
+  SynthesisInput input = given;
+  // Random directions are no field: each patch takes the one where it starts.
+  input.follow = options.follow && options.field != FieldMethod::Random;
+  input.symmetry = foldsOf(options.symmetry);
   const std::size_t n = input.points.size();
   monitor.begin(Stage::Synthesis, n,
                 options.method == Method::Hybrid ? hybridPasses(options.gaps) : 1);

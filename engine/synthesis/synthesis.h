@@ -22,7 +22,7 @@ struct SynthesisResult {
 
 // Colours every point. Progress counts points. The same bytes at any number of threads. Throws
 // InvalidInput, Cancelled.
-SynthesisResult synthesize(const SynthesisInput& input, const TextureOptions& options,
+SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
                            Monitor& monitor);
 
 }  // namespace dapple

@@ -15,6 +15,9 @@ struct SynthesisInput {
   float unit = 0;                           // local units per swatch pixel
   // n: where charts take the points to lie (smoothedPositions()); null: the stages decide.
   const std::vector<vec3>* chart = nullptr;
+  // Charts turn with the frames at every point; else they run straight on from where they start.
+  bool follow = false;
+  int symmetry = 1;  // of the swatch: it looks the same turned by whole turns / symmetry; 1, 2, 4
 };
 
 }  // namespace dapple

@@ -28,6 +28,7 @@ struct TextureOptions {
   FieldMethod field = FieldMethod::Smooth;
   FieldSymmetry symmetry = FieldSymmetry::None;
   Creases creases = Creases::Carry;
+  bool follow = true;
   double distortion = 1.6;
   double sizeLimit = 0.8;
   std::uint64_t seed = 1;
