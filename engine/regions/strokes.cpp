@@ -16,13 +16,6 @@ namespace {
 constexpr std::size_t kCheckpointEvery = 1024;
 constexpr float kFacing = -0.2f;  // normals that look further apart are of another sheet
 
-// The direction that `t`, tangent at a normal `from`, becomes at `to` by the smallest rotation.
-vec3 transported(const vec3& t, const vec3& from, const vec3& to) {
-  const vec3 axis = glm::cross(from, to);
-  const vec3 turned = glm::cross(axis, t);
-  return t + turned + glm::cross(axis, turned) / (1 + glm::dot(from, to));
-}
-
 class Spreader {
  public:
   Spreader(const PointSet& points, const Neighborhoods& neighborhoods,

@@ -427,9 +427,8 @@ void Matcher::write() {
   parallelFor(monitor_, n, kCheckEvery, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (fixed_[0][i]) continue;
-      // Points wider apart than pixels show the mean of the pixels between them.
-      const float blur = std::log2(std::max(1.0f, spacing[i] / in_.unit));
-      colours[i] = sampleSwatch(in_.swatch, levels_[0]->sites()[i].place + 0.5f, blur);
+      colours[i] = sampleSwatch(in_.swatch, levels_[0]->sites()[i].place + 0.5f,
+                                filterLevel(spacing[i], in_.unit));
     }
   });
   // From here on nothing may stop: the map is changed as a whole or not at all.
