@@ -1,6 +1,8 @@
 // What every method starts from.
 #pragma once
 
+#include <span>
+
 #include "points/neighborhoods.h"
 #include "points/point_set.h"
 #include "swatch/swatch.h"
@@ -15,6 +17,8 @@ struct SynthesisInput {
   float unit = 0;                           // local units per swatch pixel
   // n: where charts take the points to lie (smoothedPositions()); null: the stages decide.
   const std::vector<vec3>* chart = nullptr;
+  // Ids of points that synthesis should begin at (grid only); empty: by the seed.
+  std::span<const Index> starts = {};
 };
 
 }  // namespace dapple
