@@ -16,8 +16,4 @@ struct ConnectedParts {
 ConnectedParts connectedParts(const Neighborhoods& neighborhoods,
                               const std::vector<vec3>& positions, float reach);
 
-// Points are linked to their `links` nearest, unless their normals look away from each other.
-ConnectedParts facingParts(const Neighborhoods& neighborhoods, const std::vector<vec3>& normals,
-                           std::size_t links);
-
 }  // namespace dapple

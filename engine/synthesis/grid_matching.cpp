@@ -284,7 +284,7 @@ void GridMatcher::apply(const Paste& paste) {
 GridStatistics GridMatcher::run() {
   const std::size_t n = input_.points.size();
   order_ =
-      surfaceOrder({input_.points, input_.neighborhoods}, input_.starts, options_.seed, monitor_);
+      surfaceOrder(input_.points, input_.neighborhoods, input_.starts, options_.seed, monitor_);
   map_.domain.assign(n, vec2(0));
   map_.placement.clear();
   std::vector<Paste> pastes;

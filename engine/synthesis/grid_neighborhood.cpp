@@ -17,13 +17,13 @@
 #include <limits>
 
 #include "base/errors.h"
-#include "regions/surface_distance.h"
 #include "synthesis/patch_overlap.h"
 
 namespace dapple {
 namespace {
 
-constexpr float kReach = 0.75f;  // pixels from a node to its point
+constexpr float kReach = 0.75f;     // pixels from a node to its point
+constexpr std::size_t kLinks = 12;  // nearest neighbours that the walk goes on to
 
 }  // namespace
 
@@ -64,7 +64,7 @@ void GridNeighborhood::gather(Index centre) {
 // All within reach of the centre, from neighbour to neighbour on its side of the surface.
 void GridNeighborhood::walk(Index centre) {
   const vec3 normal = input_.points.normals[centre], position = positions_[centre];
-  const std::size_t links = linksOf(input_.neighborhoods);
+  const std::size_t links = std::min(kLinks, input_.neighborhoods.k);
   if (++call_ == kNone) std::fill(stamp_.begin(), stamp_.end(), kNone), call_ = 0;
   met_.assign(1, centre);
   stamp_[centre] = call_;

@@ -4,78 +4,122 @@
 // that is not in Y always is in B. Points in the order of their distance, without those coloured
 // meanwhile, are therefore the paper's order, and no set has to be kept.
 //
-// Departure: ways follow the links that the selection tools follow, 12 a point in both directions
-// in place of 8, never through a thin sheet.
+// Departure: links lead both ways, as neighbours need not be mutual, and not through a thin sheet.
 #include "synthesis/surface_order.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
-#include <numeric>
-#include <tuple>
+#include <queue>
+#include <utility>
 
 #include "base/errors.h"
-#include "base/hash_rng.h"
-#include "points/connected_parts.h"
-#include "regions/surface_distance.h"
+#include "base/hashed_order.h"
 
 namespace dapple {
 namespace {
 
+constexpr std::size_t kLinks = 8;  // of a point, to its nearest
+constexpr std::size_t kCheckpointEvery = 4096;
 constexpr std::uint64_t kStartStream = 401;
+constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
-// By part, where it comes and where it starts when nobody says so.
-struct PartStart {
-  bool given = false;
-  std::uint64_t rank = 0;  // place of the first start given, else the least hash of a point
-  Index point = kNone;
-
-  bool before(const PartStart& other) const {
-    return std::tuple(!given, rank, point) < std::tuple(!other.given, other.rank, other.point);
+// Dijkstra's search, point by point.
+class Spreading {
+ public:
+  Spreading(const PointSet& points, const Neighborhoods& near, const Monitor& monitor)
+      : points_(points),
+        near_(near),
+        links_(std::min(kLinks, near.k)),
+        monitor_(monitor),
+        distance_(points.size(), kUnreached) {
+    addLinksBack();
   }
-};
 
-std::vector<PartStart> startsOfParts(const ConnectedParts& parts, std::span<const Index> starts,
-                                     std::uint64_t seed) {
-  std::vector<PartStart> out(parts.count);
-  const auto propose = [&](const PartStart& start) {
-    PartStart& known = out[parts.part[start.point]];
-    if (known.point == kNone || start.before(known)) known = start;
-  };
-  for (std::size_t s = 0; s < starts.size(); ++s) propose({true, s, starts[s]});
-  for (Index i = 0; i < parts.part.size(); ++i)
-    propose({false, hashBits(seed, kStartStream, i), i});
-  return out;
-}
+  bool reached(Index i) const { return distance_[i] < kUnreached; }
+
+  void start(Index i) {
+    distance_[i] = 0;
+    queue_.push({0.f, i});
+  }
+
+  // Appends all that the starts reach.
+  void run(std::vector<Index>& order) {
+    while (!queue_.empty()) {
+      const auto [distance, i] = queue_.top();
+      queue_.pop();
+      if (distance > distance_[i]) continue;
+      order.push_back(i);
+      if (order.size() % kCheckpointEvery == 0) monitor_.checkpoint();
+      for (const Index j : linksOf(i)) follow(i, j);
+      for (Index l = firstBack_[i]; l < firstBack_[i + 1]; ++l) follow(i, back_[l]);
+    }
+  }
+
+ private:
+  using Entry = std::pair<float, Index>;
+
+  std::span<const Index> linksOf(Index i) const { return near_.of(i).first(links_); }
+
+  template <class Visit>
+  void forLinksBack(Visit visit) const {
+    for (Index i = 0; i < points_.size(); ++i) {
+      if (i % kCheckpointEvery == 0) monitor_.checkpoint();
+      for (const Index j : linksOf(i)) {
+        const auto theirs = linksOf(j);
+        if (std::find(theirs.begin(), theirs.end(), i) == theirs.end()) visit(j, i);
+      }
+    }
+  }
+
+  // From j to i where only i has j among its nearest.
+  void addLinksBack() {
+    firstBack_.assign(points_.size() + 1, 0);
+    forLinksBack([&](Index j, Index) { ++firstBack_[j + 1]; });
+    for (std::size_t i = 0; i < points_.size(); ++i) firstBack_[i + 1] += firstBack_[i];
+    back_.resize(firstBack_.back());
+    std::vector<Index> next(firstBack_.begin(), firstBack_.end() - 1);
+    forLinksBack([&](Index j, Index i) { back_[next[j]++] = i; });
+  }
+
+  void follow(Index i, Index j) {
+    const float distance =
+        distance_[i] + distanceBetween(points_.positions[i], points_.positions[j]);
+    if (!(distance < distance_[j])) return;
+    if (!(glm::dot(points_.normals[i], points_.normals[j]) > 0)) return;
+    distance_[j] = distance;
+    queue_.push({distance, j});
+  }
+
+  const PointSet& points_;
+  const Neighborhoods& near_;
+  const std::size_t links_;
+  const Monitor& monitor_;
+  std::vector<float> distance_;
+  std::vector<Index> firstBack_, back_;  // n + 1, links
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+};
 
 }  // namespace
 
-std::vector<Index> surfaceOrder(const PointGraph& graph, std::span<const Index> starts,
-                                std::uint64_t seed, Monitor& monitor) {
-  const std::size_t n = graph.points.size();
+std::vector<Index> surfaceOrder(const PointSet& points, const Neighborhoods& neighborhoods,
+                                std::span<const Index> starts, std::uint64_t seed,
+                                Monitor& monitor) {
+  const std::size_t n = points.size();
   for (const Index start : starts)
     if (start >= n) throw InvalidInput(fmt::format("start: {} is not one of {} points", start, n));
-  const ConnectedParts parts =
-      facingParts(graph.neighborhoods, graph.points.normals, linksOf(graph.neighborhoods));
-  monitor.checkpoint();
-  const std::vector<PartStart> firsts = startsOfParts(parts, starts, seed);
-  std::vector<Index> sources(starts.begin(), starts.end());
-  for (const PartStart& first : firsts)
-    if (!first.given) sources.push_back(first.point);
-  const std::vector<float> distance =
-      surfaceDistances(graph, sources, std::numeric_limits<float>::infinity(), monitor);
-  // Places of the parts, then of the points in them.
-  std::vector<Index> byPlace(parts.count), place(parts.count);
-  std::iota(byPlace.begin(), byPlace.end(), Index{0});
-  std::sort(byPlace.begin(), byPlace.end(),
-            [&](Index a, Index b) { return firsts[a].before(firsts[b]); });
-  for (Index p = 0; p < parts.count; ++p) place[byPlace[p]] = p;
-  std::vector<Index> order(n);
-  std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-    return std::tuple(place[parts.part[a]], distance[a], a) <
-           std::tuple(place[parts.part[b]], distance[b], b);
-  });
-  monitor.checkpoint();
+  std::vector<Index> order;
+  order.reserve(n);
+  Spreading spreading(points, neighborhoods, monitor);
+  for (const Index start : starts) spreading.start(start);
+  spreading.run(order);
+  const HashedOrder shuffled(n, hashBits(seed, kStartStream));
+  for (std::size_t s = 0; order.size() < n; ++s) {
+    const Index start = shuffled.at(s);
+    if (spreading.reached(start)) continue;
+    spreading.start(start);
+    spreading.run(order);
+  }
   return order;
 }
 

@@ -4,15 +4,16 @@
 #include <span>
 #include <vector>
 
-#include "regions/segmentation.h"
+#include "points/neighborhoods.h"
 
 namespace dapple {
 
-// All points, part by part of what hangs together; within a part by the distance along the surface
-// from its starts, ties by id. Parts with starts come first, in the order of the starts; every
-// other part starts at its point of least hash(seed, point) and comes by that hash. Throws
+// All points (with normals) by the distance along the surface from the nearest of the starts, ties
+// by id. Points that no start reaches follow, part by part of what hangs together, each by the
+// distance from a start of its own: the first that is left of an order hashed from `seed`. Throws
 // InvalidInput when a start is not a point, Cancelled.
-std::vector<Index> surfaceOrder(const PointGraph& graph, std::span<const Index> starts,
-                                std::uint64_t seed, Monitor& monitor);
+std::vector<Index> surfaceOrder(const PointSet& points, const Neighborhoods& neighborhoods,
+                                std::span<const Index> starts, std::uint64_t seed,
+                                Monitor& monitor);
 
 }  // namespace dapple
