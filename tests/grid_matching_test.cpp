@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -178,6 +179,40 @@ TEST_CASE("grid: points are matched in the order of their distance from the star
     patch = multi.map.patch[i];
     REQUIRE(ways[i] >= last * (1 - 1e-5f));
     last = ways[i];
+  }
+}
+
+TEST_CASE("surface order: every point once, one side of a thin sheet after the other") {
+  const PointSet square = fixtures::makePlane(16, 16, 1, 0.8f);
+  PointSet sheet = joined(square, square, {0, 0, -0.3f});
+  const std::size_t n = square.size();
+  for (std::size_t i = n; i < 2 * n; ++i) sheet.normals[i] = {0, 0, -1};
+  Workers workers(1);
+  Monitor monitor(workers);
+  const Neighborhoods near = fixtures::neighbourhoods(sheet, 16);
+  const std::array start{static_cast<Index>(n + 3)};
+  const std::vector<Index> order = surfaceOrder(sheet, near, start, 1, monitor);
+  REQUIRE(order.size() == 2 * n);
+  CHECK(order[0] == start[0]);
+  for (std::size_t r = 0; r < n; ++r) REQUIRE(order[r] >= n);
+  std::vector<Index> sorted(order);
+  std::sort(sorted.begin(), sorted.end());
+  for (Index i = 0; i < 2 * n; ++i) REQUIRE(sorted[i] == i);
+  // Without a start the seed decides.
+  const std::vector<Index> other = surfaceOrder(sheet, near, {}, 1, monitor);
+  CHECK(other == surfaceOrder(sheet, near, {}, 1, monitor));
+  CHECK(other != surfaceOrder(sheet, near, {}, 2, monitor));
+}
+
+TEST_CASE("grid: points sparser than pixels show the swatch filtered, with and without cuts") {
+  const Scene scene = {fixtures::makePlane(40, 40, 1, 0.8f),
+                       fixtures::swatchOf(fixtures::noise(48)), 0.4f};
+  const std::vector<float> spacing = localSpacing(scene.near, scene.points.positions);
+  for (const bool seams : {false, true}) {
+    const auto [map, statistics] = scene.run({.size = 11, .seams = seams});
+    for (std::size_t i = 0; i < map.texel.size(); ++i)
+      REQUIRE(map.colour[i] ==
+              sampleSwatch(scene.swatch, map.texel[i], filterLevel(spacing[i], scene.unit)));
   }
 }
 

@@ -131,13 +131,18 @@ class Covers {
 
 SeamStatistics cutSquares(const SynthesisInput& input, std::span<const Index> centres, int size,
                           SourceMap& map, Monitor& monitor) {
+  const std::size_t n = input.points.size();
   std::vector<float> errors(centres.size(), 0);
-  for (std::size_t i = 0; i < map.patch.size(); ++i) errors[map.patch[i]] = map.error[i];
+  for (std::size_t i = 0; i < n; ++i) errors[map.patch[i]] = map.error[i];
+  // The cut compares colours that are not filtered.
+  parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) placePoint(map, input.swatch, i);
+  });
   const PatchOverlap overlap = Covers(input, centres, size, map, monitor).run();
   std::fill(map.state.begin(), map.state.end(), PointState::Patch);
   const SeamStatistics statistics = cutSeams(input, overlap, map, monitor);
   std::fill(map.state.begin(), map.state.end(), PointState::Matched);
-  for (std::size_t i = 0; i < map.patch.size(); ++i) map.error[i] = errors[map.patch[i]];
+  for (std::size_t i = 0; i < n; ++i) map.error[i] = errors[map.patch[i]];
   return statistics;
 }
 
