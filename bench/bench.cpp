@@ -1,14 +1,17 @@
 // Prints [Zhang]'s Table 1 again: points per second of each method on one and on all threads,
 // beside the paper's (2.53 GHz Pentium 4) and with the score. About 200 of any factor are the
-// machine and SIMD. Rates are medians of several runs; nothing is asserted.
+// machine and SIMD. Then [Zeng]'s on the bunny of ../shared, where that is there: one and several
+// points a match. Rates are medians of several runs; nothing is asserted.
 //
-// dapple_bench [SCAN] [--quick]   SCAN: the bunny of Debian's package glmark2-data when left out
+// dapple_bench [SCAN] [--quick] [--zeng]
+//   SCAN: the bunny of Debian's package glmark2-data when left out; --zeng: that table only
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <thread>
@@ -25,6 +28,7 @@ namespace {
 using namespace dapple;
 
 constexpr const char* kBunny = "/usr/share/glmark2/models/bunny.obj";
+constexpr const char* kSharedBunny = DAPPLE_SHARED_DATA "/models/bunny.ply";
 
 double secondsOf(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -191,11 +195,35 @@ std::vector<Case> cases() {
   return out;
 }
 
-void printTable(const char* name, const Scan& scan, const Image& image, int runs) {
+// [Zeng]: a swatch of 64 x 64 pixels with N = 11, one of 128 x 128 with N = 21.
+std::vector<Case> gridCases() {
+  std::vector<Case> out;
+  for (const int size : {11, 21})
+    for (const bool seams : {false, true})
+      for (const GridAssign assign : {GridAssign::Single, GridAssign::Multi}) {
+        if (seams && assign == GridAssign::Single) continue;  // has none
+        const bool multi = assign == GridAssign::Multi;
+        const int pixels = size == 11 ? 64 : 128;
+        Case c{.swatchSize = pixels, .withNeighbours = false};
+        c.name = fmt::format("grid {0}x{0}, N={1}, {2}{3}", pixels, size,
+                             multi ? "multi" : "single", seams ? ", seams" : "");
+        c.options.method = Method::Grid;
+        c.options.grid = size;
+        c.options.assign = assign;
+        c.options.gridSeams = seams;
+        c.paperRate = multi ? 0 : (size == 11 ? 1000 : 170);
+        if (multi && !seams) c.target = size == 11 ? "180 k" : "120 k";
+        out.push_back(c);
+      }
+  return out;
+}
+
+void printTable(const char* name, const Scan& scan, const Image& image,
+                const std::vector<Case>& table, int runs) {
   fmt::print("\n{}, {} points\n{:<42} {:>11} {:>11} {:>10} {:>8} {:>6}   {}\n", name,
              scan.points.size(), "points/s", "1 thread", "2 threads", "paper", "factor", "F",
              "to reach");
-  for (const Case& c : cases()) {
+  for (const Case& c : table) {
     const Swatch swatch = makeSwatch(croppedTo(image, c.swatchSize), c.options.tileable,
                                      stackLevels(c.options), "pebbles");
     const Timed one = medianCase(c, scan, swatch, 1, runs);
@@ -208,14 +236,43 @@ void printTable(const char* name, const Scan& scan, const Image& image, int runs
   }
 }
 
+// The scan with its normals.
+Scan scanOf(const char* path, Monitor& monitor) {
+  Scan scan = loadScan(path, {}, monitor);
+  scan.points.normals = prepareScan(path, {}, 25, {}, monitor).scan.points.normals;
+  return scan;
+}
+
+void printZhang(const std::string& path, const Image& image, int runs, Monitor& monitor) {
+  const Scan bunny = scanOf(path.c_str(), monitor);
+  Scan sphere;
+  sphere.points = fixtures::makeSphere(16386, 1);
+  printNeighbours(path.c_str(), bunny.points.positions, runs);
+  printNeighbours("sphere of 500,000", fixtures::makeSphere(500000, 1).positions, runs);
+  printTable(path.c_str(), bunny, image, cases(), runs);
+  printTable("sphere", sphere, image, cases(), runs);
+}
+
+void printZeng(const Image& image, int runs, Monitor& monitor) {
+  if (!std::filesystem::exists(kSharedBunny)) {
+    fmt::print("\n[Zeng]'s table is skipped: there is no {}\n", kSharedBunny);
+    return;
+  }
+  printTable("[Zeng] bunny.ply", scanOf(kSharedBunny, monitor), image, gridCases(),
+             std::min(runs, 3));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::string path = kBunny;
   int runs = 5;
+  bool zengOnly = false;
   for (int a = 1; a < argc; ++a) {
     if (std::string(argv[a]) == "--quick")
       runs = 1;
+    else if (std::string(argv[a]) == "--zeng")
+      zengOnly = true;
     else
       path = argv[a];
   }
@@ -223,16 +280,9 @@ int main(int argc, char** argv) {
     Workers workers;
     Monitor monitor(workers);
     const Image image = readImage(DAPPLE_BENCH_SWATCH);
-    Scan bunny = loadScan(path, {}, monitor);
-    PreparedScan prepared = prepareScan(path, {}, 25, {}, monitor);
-    bunny.points.normals = prepared.scan.points.normals;
-    Scan sphere;
-    sphere.points = fixtures::makeSphere(16386, 1);
     fmt::print("median of {} runs; {} processors\n", runs, std::thread::hardware_concurrency());
-    printNeighbours(path.c_str(), bunny.points.positions, runs);
-    printNeighbours("sphere of 500,000", fixtures::makeSphere(500000, 1).positions, runs);
-    printTable(path.c_str(), bunny, image, runs);
-    printTable("sphere", sphere, image, runs);
+    if (!zengOnly) printZhang(path, image, runs, monitor);
+    printZeng(image, runs, monitor);
   } catch (const std::exception& error) {
     fmt::print(stderr, "dapple_bench: {}\n", error.what());
     return 2;

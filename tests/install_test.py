@@ -179,7 +179,7 @@ class Installation(unittest.TestCase):
             (["dapple", "texture", "--no-c"], ["--no-coherent"]),
             (["dapple", "info", "--me"], []),
             (["dapple", "texture", "--method", ""],
-             ["hybrid", "match", "patches", "random", "triplanar"]),
+             ["grid", "hybrid", "match", "patches", "random", "triplanar"]),
             (["dapple", "texture", "--method", "=", "tri"], ["triplanar"]),
             (["dapple", "texture", "--tileable", "="], ["auto", "no", "yes"]),
             (["dapple", "--version", "render", "--renderer", "c"], ["cpu"]),

@@ -17,7 +17,7 @@ constexpr double kMostSeed = 9007199254740992.0;  // 2^53: exact in every JSON r
 constexpr std::array kTable = {
     OptionRow{.name = "method",
               .field = &T::method,
-              .choices = "hybrid|patches|match|triplanar|random",
+              .choices = "hybrid|patches|match|grid|triplanar|random",
               .help = "how points get their colour; triplanar and random are baselines"},
     OptionRow{.name = "neighbours",
               .field = &T::neighbours,
@@ -32,7 +32,8 @@ constexpr std::array kTable = {
     OptionRow{.name = "coherent",
               .field = &T::coherent,
               .choices = "yes|no",
-              .help = "match: continue the neighbours' texels instead of searching everywhere"},
+              .help = "match: continue the neighbours' texels instead of searching everywhere; "
+                      "grid: prefer to"},
     OptionRow{.name = "scale",
               .field = &T::scale,
               .low = 0.01,
@@ -46,6 +47,25 @@ constexpr std::array kTable = {
               .field = &T::expand,
               .choices = "yes|no",
               .help = "hybrid with --gaps match: widen the gaps by one neighbourhood first"},
+    OptionRow{.name = "grid",
+              .field = &T::grid,
+              .low = 3,
+              .high = 31,
+              .odd = true,
+              .help = "grid: swatch pixels along each side of the square that is matched"},
+    OptionRow{.name = "assign",
+              .field = &T::assign,
+              .choices = "single|multi",
+              .help = "grid: a match colours its own point, or all open points of its square"},
+    OptionRow{.name = "grid-seams",
+              .field = &T::gridSeams,
+              .choices = "yes|no",
+              .help = "grid with --assign multi: cut the squares where they differ least"},
+    OptionRow{.name = "grid-neighbours",
+              .field = &T::gridNeighbours,
+              .low = 0,
+              .high = 4096,
+              .help = "grid: most points that one square is filled from, 0 for all it covers"},
     OptionRow{.name = "tileable",
               .field = &T::tileable,
               .choices = "auto|yes|no",
@@ -121,6 +141,8 @@ void setNumber(const OptionRow& row, std::string_view text, Number& field) {
   if (!parseNumber(text, value)) refuse(row, text);
   const double wide = static_cast<double>(value);
   if (!(wide >= row.low && wide <= row.high)) refuse(row, text);
+  if constexpr (std::is_same_v<Number, int>)
+    if (row.odd && value % 2 == 0) refuse(row, text);
   field = value;
 }
 
@@ -193,7 +215,7 @@ std::string optionRange(const OptionRow& row) {
   if (!row.choices.empty()) return std::string(row.choices);
   if (std::holds_alternative<double TextureOptions::*>(row.field))
     return fmt::format("{:g} to {:g}", row.low, row.high);
-  return fmt::format("{:.0f} to {:.0f}", row.low, row.high);
+  return fmt::format("{:.0f} to {:.0f}{}", row.low, row.high, row.odd ? ", odd" : "");
 }
 
 void validate(const TextureOptions& options) {

@@ -13,14 +13,15 @@ namespace dapple {
 using OptionField =
     std::variant<bool TextureOptions::*, int TextureOptions::*, double TextureOptions::*,
                  std::uint64_t TextureOptions::*, vec3 TextureOptions::*, Method TextureOptions::*,
-                 GapFill TextureOptions::*, Tileable TextureOptions::*,
-                 FieldMethod TextureOptions::*, FieldSymmetry TextureOptions::*,
-                 Creases TextureOptions::*>;
+                 GapFill TextureOptions::*, GridAssign TextureOptions::*,
+                 Tileable TextureOptions::*, FieldMethod TextureOptions::*,
+                 FieldSymmetry TextureOptions::*, Creases TextureOptions::*>;
 
 struct OptionRow {
   std::string_view name;     // as on the command line, without the dashes
   OptionField field;         // its default is the one of TextureOptions{}
   double low = 0, high = 0;  // numbers: the closed range
+  bool odd = false;          // whole numbers: only odd ones
   std::string_view choices;  // enumerations: names by value, separated by '|'
   std::string_view help;     // one sentence, with the unit
 };
@@ -35,7 +36,8 @@ void setOption(TextureOptions& options, const OptionRow& row, std::string_view v
 // The value as setOption() reads it.
 std::string optionText(const TextureOptions& options, const OptionRow& row);
 
-// What is allowed, for help and messages: "8 to 128", "hybrid|patches", "yes|no", "x,y,z".
+// What is allowed, for help and messages: "8 to 128", "3 to 31, odd", "hybrid|patches", "yes|no",
+// "x,y,z".
 std::string optionRange(const OptionRow& row);
 
 // Throws InvalidInput for the first field that is out of its range.

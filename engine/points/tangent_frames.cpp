@@ -50,4 +50,10 @@ std::vector<TangentFrame> randomFrames(const PointSet& points, std::uint64_t see
   return frames;
 }
 
+vec3 transported(const vec3& t, const vec3& from, const vec3& to) {
+  const vec3 axis = glm::cross(from, to);
+  const vec3 turned = glm::cross(axis, t);
+  return t + turned + glm::cross(axis, turned) / (1 + glm::dot(from, to));
+}
+
 }  // namespace dapple

@@ -18,4 +18,8 @@ std::vector<TangentFrame> randomFrames(const PointSet& points, std::uint64_t see
 // can be; any t when that is along n.
 TangentFrame orthonormalFrame(const vec3& n, const vec3& t);
 
+// The direction that `t`, tangent at a normal `from`, becomes at `to` by the smallest rotation.
+// Both are of unit length and not opposite.
+vec3 transported(const vec3& t, const vec3& from, const vec3& to);
+
 }  // namespace dapple

@@ -4,12 +4,14 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "base/hash_rng.h"
 #include "swatch/gaussian_blur.h"
 
 namespace dapple {
 namespace {
 
 constexpr double kTileableStep = 1.5;  // methods, section 1.4
+constexpr int kMostTries = 64;         // for an opaque texel
 
 int colourChannels(const Image& image) {
   return image.channels >= 3 ? 3 : 1;
@@ -166,6 +168,18 @@ bool usableTexel(const Swatch& swatch, vec2 texel) {
     for (int column : {x.first, lastColumn})
       if (!swatch.opaque[static_cast<std::size_t>(row) * swatch.width + column]) return false;
   return true;
+}
+
+vec2 randomTexel(const Swatch& swatch, std::uint64_t seed, std::uint64_t id, std::uint64_t salt) {
+  const std::size_t pixels = swatch.pixels();
+  std::uint64_t pixel = 0;
+  for (int attempt = 0; attempt < kMostTries; ++attempt) {
+    pixel = hashBelow(pixels, seed, id, salt, static_cast<std::uint64_t>(attempt));
+    if (swatch.opaque[pixel]) break;
+  }
+  while (!swatch.opaque[pixel]) pixel = (pixel + 1) % pixels;
+  const auto width = static_cast<std::uint64_t>(swatch.width);
+  return vec2(pixel % width, pixel / width) + 0.5f;
 }
 
 double swatchContrast(const Swatch& swatch) {

@@ -49,6 +49,10 @@ vec2 wrapTexel(const Swatch& swatch, vec2 texel);
 // tileable swatch).
 bool usableTexel(const Swatch& swatch, vec2 texel);
 
+// The centre of an opaque texel, hashed from (seed, id, salt).
+vec2 randomTexel(const Swatch& swatch, std::uint64_t seed, std::uint64_t id,
+                 std::uint64_t salt = 0);
+
 // Root mean square deviation from the mean colour over all numbers (opaque texels x 3 channels):
 // the swatch's contrast sigma.
 double swatchContrast(const Swatch& swatch);

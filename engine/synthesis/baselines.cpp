@@ -2,13 +2,10 @@
 
 #include <cmath>
 
-#include "base/hash_rng.h"
-
 namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr int kMostTries = 64;  // for an opaque texel
 
 // Repeats a swatch that does not tile, too: that is what projecting it does.
 vec2 repeated(const Swatch& swatch, vec2 texel) {
@@ -52,15 +49,9 @@ void scatterTexels(const SynthesisInput& input, std::uint64_t seed, SourceMap& m
       monitor, input.points.size(), kGrain,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          std::uint64_t pixel = 0;
-          for (int attempt = 0; attempt < kMostTries; ++attempt) {
-            pixel = hashBelow(swatch.pixels(), seed, i, static_cast<std::uint64_t>(attempt));
-            if (swatch.opaque[pixel]) break;
-          }
-          const std::uint64_t width = static_cast<std::uint64_t>(swatch.width);
-          map.texel[i] = vec2(pixel % width, pixel / width) + 0.5f;
+          map.texel[i] = randomTexel(swatch, seed, i);
           map.frame[i] = input.frames[i];
-          map.colour[i] = swatch.colours()[pixel];
+          map.colour[i] = sampleSwatch(swatch, map.texel[i]);
           map.state[i] = PointState::Matched;
         }
       },

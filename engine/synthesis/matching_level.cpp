@@ -15,8 +15,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/hash_rng.h"
 #include "base/simd.h"
+#include "synthesis/place_refinement.h"
 
 namespace dapple {
 namespace {
@@ -25,7 +25,6 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kGrazing = 1e-4f;        // squared sine below which a direction has no projection
 constexpr float kReachShare = 1.0f / 6;  // of a swatch that does not tile: margin on each side
 constexpr float kTwin = 1e-30f;          // least squared distance; below it points coincide
-constexpr int kPlacesTried = 64;
 constexpr std::size_t kFinePhases = 4, kCoarsePhases = 2;
 constexpr std::size_t kLargeSwatch = 256 * 256;  // pixels from which on planes must be fewer
 
@@ -194,22 +193,6 @@ float MatchingLevel::errorAt(vec2 place, float bound, const MatchScratch& scratc
   return sum + coarseReader_->differences(place, {scratch.terms, fine, count}, bound - sum);
 }
 
-// Downhill from a whole pixel in steps of 1/2, 1/4 and 1/8.
-void MatchingLevel::refine(vec2& place, float& error, const MatchScratch& scratch) const {
-  constexpr vec2 kWays[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-  for (float step = 0.5f; step >= 0.125f; step *= 0.5f) {
-    const vec2 centre = place;
-    for (const vec2& way : kWays) {
-      const vec2 moved = centre + way * step;
-      const float there = errorAt(moved, error, scratch);
-      if (there < error) {
-        error = there;
-        place = moved;
-      }
-    }
-  }
-}
-
 bool MatchingLevel::searchEverywhere(MatchScratch& scratch, vec2& place) const {
   scratch.search.clear();
   for (std::size_t t = 0; t < scratch.terms.size(); ++t) {
@@ -223,15 +206,7 @@ bool MatchingLevel::searchEverywhere(MatchScratch& scratch, vec2& place) const {
 }
 
 vec2 MatchingLevel::randomPlace(Index i, std::uint64_t salt) const {
-  const auto w = static_cast<std::uint64_t>(in_.swatch.width);
-  const std::size_t pixels = in_.swatch.pixels();
-  std::uint64_t pixel = 0;
-  for (int attempt = 0; attempt < kPlacesTried; ++attempt) {
-    pixel = hashBelow(pixels, in_.seed, i, salt, static_cast<std::uint64_t>(attempt));
-    if (in_.swatch.opaque[pixel]) break;
-  }
-  while (!in_.swatch.opaque[pixel]) pixel = (pixel + 1) % pixels;
-  return {static_cast<float>(pixel % w), static_cast<float>(pixel / w)};
+  return randomTexel(in_.swatch, in_.seed, i, salt) - 0.5f;
 }
 
 MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch& scratch) const {
@@ -260,7 +235,10 @@ MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch&
     vec2 place;
     if (searchEverywhere(scratch, place)) {
       float error = errorAt(place, kInfinity, scratch);
-      if (rules.subPixel) refine(place, error, scratch);
+      if (rules.subPixel) {
+        refinePlace([&](vec2 at, float bound) { return errorAt(at, bound, scratch); }, place,
+                    error);
+      }
       if (best == kInfinity || error * rules.bonus < best) {
         best = error;
         choice.place = reader_.wrap(place);

@@ -104,7 +104,6 @@ class MatchingLevel {
   void addTerms(const MatchSite& from, MatchScratch& scratch) const;
   void addCandidates(std::size_t count, MatchScratch& scratch) const;
   float errorAt(vec2 place, float bound, const MatchScratch& scratch) const;
-  void refine(vec2& place, float& error, const MatchScratch& scratch) const;
   bool searchEverywhere(MatchScratch& scratch, vec2& place) const;
 
   Input in_;

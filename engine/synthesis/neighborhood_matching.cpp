@@ -20,6 +20,7 @@
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
+#include "base/hashed_order.h"
 #include "points/bucket_queue.h"
 #include "points/point_hierarchy.h"
 #include "synthesis/matching_level.h"
@@ -36,35 +37,6 @@ constexpr int kCoarsestVisits = 3, kCoarseVisits = 2, kFineVisits = 1;  // after
 constexpr float kMergePixels = 0.4f;
 constexpr float kCoherenceBonus = 4.0f;     // an exhaustive place needs half the error at level 0
 constexpr float kSmallestShare = 1.0f / 8;  // spacing of the coarsest level / swatch size
-
-// 0 ... n - 1 in a hashed order, computed one by one: a four-round Feistel network over the next
-// even number of bits, walked until it lands inside.
-class HashedOrder {
- public:
-  HashedOrder(std::size_t n, std::uint64_t seed) : n_(n), seed_(seed) {
-    while ((std::uint64_t{1} << (2 * half_)) < n) ++half_;
-  }
-  Index at(std::size_t i) const {
-    std::uint64_t x = i;
-    do x = permuted(x);
-    while (x >= n_);
-    return static_cast<Index>(x);
-  }
-
- private:
-  std::uint64_t permuted(std::uint64_t x) const {
-    const std::uint64_t mask = (std::uint64_t{1} << half_) - 1;
-    std::uint64_t left = x >> half_, right = x & mask;
-    for (std::uint64_t round = 0; round < 4; ++round) {
-      const std::uint64_t mixed = (left ^ hashBits(seed_, right, round, 7)) & mask;
-      left = right;
-      right = mixed;
-    }
-    return (left << half_) | right;
-  }
-  std::uint64_t n_, seed_;
-  int half_ = 1;
-};
 
 // By point i, the points still to be coloured that have i among their neighbours: those whose keys
 // grow when i is coloured.
@@ -427,9 +399,8 @@ void Matcher::write() {
   parallelFor(monitor_, n, kCheckEvery, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (fixed_[0][i]) continue;
-      // Points wider apart than pixels show the mean of the pixels between them.
-      const float blur = std::log2(std::max(1.0f, spacing[i] / in_.unit));
-      colours[i] = sampleSwatch(in_.swatch, levels_[0]->sites()[i].place + 0.5f, blur);
+      colours[i] = sampleSwatch(in_.swatch, levels_[0]->sites()[i].place + 0.5f,
+                                filterLevel(spacing[i], in_.unit));
     }
   });
   // From here on nothing may stop: the map is changed as a whole or not at all.

@@ -2,6 +2,8 @@
 // from which colours, other channels, exports and diagnostic views all follow.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "base/monitor.h"
@@ -33,6 +35,12 @@ struct SourceMap {
   std::vector<Index> blendOffset;  // n + 1 offsets into blend, or empty
   std::vector<BlendTerm> blend;
 };
+
+// The level of the swatch's stack that points `spacing` apart show when its pixels are `unit` wide:
+// each the mean of the pixels between them.
+inline float filterLevel(float spacing, float unit) {
+  return std::log2(std::max(1.0f, spacing / unit));
+}
 
 // A map of n free points.
 SourceMap emptySourceMap(std::size_t n, float scale);

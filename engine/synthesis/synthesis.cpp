@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "synthesis/baselines.h"
+#include "synthesis/grid_matching.h"
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
@@ -18,6 +19,26 @@ PatchOptions patchOptions(const TextureOptions& options) {
 
 MatchingOptions matchingOptions(const TextureOptions& options) {
   return {.coherent = options.coherent, .levels = options.levels, .seed = options.seed};
+}
+
+GridOptions gridOptions(const TextureOptions& options) {
+  return {.size = options.grid,
+          .assign = options.assign,
+          .coherent = options.coherent,
+          .seams = options.gridSeams,
+          .neighbours = options.gridNeighbours,
+          .seed = options.seed};
+}
+
+std::size_t passesOf(const TextureOptions& options) {
+  switch (options.method) {
+    case Method::Hybrid:
+      return hybridPasses(options.gaps);
+    case Method::Grid:
+      return gridPasses(gridOptions(options));
+    default:
+      return 1;
+  }
 }
 
 void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistics& statistics) {
@@ -36,8 +57,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   input.follow = options.follow && options.field != FieldMethod::Random;
   input.symmetry = foldsOf(options.symmetry);
   const std::size_t n = input.points.size();
-  monitor.begin(Stage::Synthesis, n,
-                options.method == Method::Hybrid ? hybridPasses(options.gaps) : 1);
+  monitor.begin(Stage::Synthesis, n, passesOf(options));
   SynthesisResult result{.map = emptySourceMap(n, input.unit)};
   SourceMap& map = result.map;
   switch (options.method) {
@@ -56,6 +76,9 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
     case Method::Match:
       map.frame = input.frames;
       matchNeighborhoods(input, matchingOptions(options), map, monitor);
+      break;
+    case Method::Grid:
+      result.statistics.patches = matchGrid(input, gridOptions(options), map, monitor).matches;
       break;
     case Method::Triplanar:
       projectTriplanar(input, map, monitor);

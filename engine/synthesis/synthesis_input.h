@@ -1,6 +1,8 @@
 // What every method starts from.
 #pragma once
 
+#include <span>
+
 #include "points/neighborhoods.h"
 #include "points/point_set.h"
 #include "swatch/swatch.h"
@@ -18,6 +20,8 @@ struct SynthesisInput {
   // Charts turn with the frames at every point; else they run straight on from where they start.
   bool follow = false;
   int symmetry = 1;  // of the swatch: it looks the same turned by whole turns / symmetry; 1, 2, 4
+  // Ids of points that synthesis should begin at (grid only); empty: by the seed.
+  std::span<const Index> starts = {};
 };
 
 }  // namespace dapple

@@ -9,10 +9,15 @@
 
 namespace dapple {
 
-enum class Method { Hybrid, Patches, Match, Triplanar, Random };
+enum class Method { Hybrid, Patches, Match, Grid, Triplanar, Random };
 enum class GapFill {
   Cut,    // patches are aligned, overlap, and are cut where they differ least
   Match,  // as printed: gap points are matched with the swatch
+};
+
+enum class GridAssign {
+  Single,  // one point for each match
+  Multi,   // all open points that the grid reaches
 };
 
 struct TextureOptions {
@@ -23,6 +28,10 @@ struct TextureOptions {
   double scale = 1;
   GapFill gaps = GapFill::Cut;
   bool expand = false;
+  int grid = 21;
+  GridAssign assign = GridAssign::Multi;
+  bool gridSeams = true;
+  int gridNeighbours = 0;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
   FieldMethod field = FieldMethod::Smooth;
