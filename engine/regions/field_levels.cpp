@@ -18,7 +18,7 @@ constexpr double kLeastGain =
     0.8;  // a level with more of the nodes below than this is not worth it
 // How far the wish to be upright reaches where it has to give in to smoothness, in root mean square
 // distances of the points from their centre.
-constexpr double kUprightReach = 0.25;
+constexpr double kUprightReach = 0.1;
 
 // What a level is made from; not needed to solve.
 struct Cloud {
