@@ -541,6 +541,7 @@ TEST_CASE("texture follows the strokes of a file, and a bad one is refused") {
   strokesFile(folder, R"(, "weight": -1)");
   checkRefused(folder, textureArguments(scan, out, {"--strokes", strokes}), "stroke 0", "above 0");
   checkRefused(folder, textureArguments(scan, out, {"--strokes", scan}), "in.ply", "project");
+  checkRefused(folder, {"field", scan, "-o", folder / "f.obj"}, "f.obj", ".ply");
   checkRefused(folder, {"field", scan, "-o", folder / "f.ply", "--strokes", folder / "no.json"},
                "no.json", "");
 }
