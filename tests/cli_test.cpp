@@ -378,6 +378,9 @@ TEST_CASE("options that make no sense are refused") {
                                                     {"--size", "0x7", "WIDTHxHEIGHT"},
                                                     {"--progress", "dots", "bar|lines"},
                                                     {"--tileable", "perhaps", "auto|yes|no"},
+                                                    {"--field", "magnetic", "smooth|spread"},
+                                                    {"--symmetry", "45", "none|180|90"},
+                                                    {"--creases", "iron", "carry|break"},
                                                     {"--texels", "some", "auto|on|off"},
                                                     {"--show", "feelings", "colour"},
                                                     {"--shading", "sunny", "headlight"},
@@ -471,6 +474,76 @@ TEST_CASE("info describes a scan as JSON") {
   // One point has about 4 pi r^2 / n of the surface.
   const double side = std::sqrt(4 * 3.14159 * 4 / kPoints);
   CHECK(info["spacing"].get<double>() == doctest::Approx(side).epsilon(0.2));
+}
+
+// Strokes up the scan's side, as a file.
+std::string strokesFile(const TemporaryFolder& folder, const std::string& more = "") {
+  return folder.write("strokes.json", R"({"format": "dapple-strokes", "version": 1, "strokes": [)"
+                                      R"({"positions": [[2, 0, 0], [1.4, 0, 1.4], [0, 0, 2]])" +
+                                          more + "}]}");
+}
+
+// The directions (up) of a scan that was written with them as text, by point.
+std::vector<Position> directionsIn(const std::string& path) {
+  const PlyText ply = readPlyText(path);
+  const std::vector<std::string> names = propertiesOf(ply, "vertex");
+  const auto column = [&](const char* name) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    REQUIRE(at != names.end());
+    return static_cast<std::size_t>(at - names.begin());
+  };
+  const std::array<std::size_t, 3> up{column("frame_tx"), column("frame_ty"), column("frame_tz")};
+  std::vector<Position> out;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const auto words = wordsOf(ply.body[i]);
+    out.push_back({std::stod(words[up[0]]), std::stod(words[up[1]]), std::stod(words[up[2]])});
+  }
+  return out;
+}
+
+TEST_CASE("field writes directions that follow the strokes of a file, and says how smooth") {
+  const TemporaryFolder folder;
+  const std::vector<Position> points = spherePoints(kPoints, 2);
+  const std::string scan = folder.write("in.ply", plyText(points));
+  const std::string out = folder / "field.ply";
+  const Run plain = dapple({"field", scan, "-o", out, "--ascii", "--progress", "lines"});
+  REQUIRE_MESSAGE(plain.code == 0, plain.err);
+  CHECK(contains(plain.out, "their indices sum to 2;"));
+  CHECK(countOf(propertiesOf(readPlyText(out), "vertex"), "scale") == 0);
+  const std::vector<Position> upright = directionsIn(out);
+
+  const std::string strokes = strokesFile(folder, R"(, "scale": 2)");
+  const Run drawn = dapple({"field", scan, "-o", out, "--ascii", "--strokes", strokes});
+  REQUIRE_MESSAGE(drawn.code == 0, drawn.err);
+  CHECK(countOf(propertiesOf(readPlyText(out), "vertex"), "scale") == 1);
+  const std::vector<Position> along = directionsIn(out);
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const auto& [x, y, z] = points[i];
+    if (std::abs(y) > 0.1 || x < 0.2 || z < 0.2) continue;
+    ++near;  // along the circle from x to z, where the upright field points to y
+    CHECK(along[i][0] * -z / 2 + along[i][2] * x / 2 > 0.95);
+    CHECK(upright[i][1] > 0.9);
+  }
+  CHECK(near > 10);
+}
+
+TEST_CASE("texture follows the strokes of a file, and a bad one is refused") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.ply", plyText(spherePoints(kPoints, 2)));
+  const std::string out = folder / "out.ply";
+  REQUIRE(dapple(textureArguments(scan, out, {"--quiet"})).code == 0);
+  const std::string without = bytesOf(out);
+  const std::string strokes = strokesFile(folder);
+  REQUIRE(dapple(textureArguments(scan, out, {"--quiet", "--strokes", strokes})).code == 0);
+  CHECK(bytesOf(out) != without);
+  fs::remove(out);
+  strokesFile(folder, R"(, "weight": -1)");
+  checkRefused(folder, textureArguments(scan, out, {"--strokes", strokes}), "stroke 0", "above 0");
+  checkRefused(folder, textureArguments(scan, out, {"--strokes", scan}), "in.ply", "project");
+  checkRefused(folder, {"field", scan, "-o", folder / "f.obj"}, "f.obj", ".ply");
+  checkRefused(folder, {"field", scan, "-o", folder / "f.ply", "--strokes", folder / "no.json"},
+               "no.json", "");
 }
 
 // DAPPLE_UPDATE_GOLDEN=1 rewrites the pictures: look at them before committing.

@@ -173,7 +173,8 @@ class Installation(unittest.TestCase):
 
     def test_bash_completes_commands_options_and_values(self):
         cases = (
-            (["dapple", ""], ["--help", "--version", "-h", "info", "render", "score", "texture"]),
+            (["dapple", ""], ["--help", "--version", "-h", "field", "info", "render", "score",
+                             "texture"]),
             (["dapple", "te"], ["texture"]),
             (["dapple", "texture", "--me"], ["--method"]),
             (["dapple", "texture", "--no-c"], ["--no-coherent"]),

@@ -100,6 +100,16 @@ TEST_CASE("a project without regions, selection or results is saved too") {
   CHECK(!fs::exists(folder / "b.dapple"));
 }
 
+TEST_CASE("random directions of a project from before there were fields are a random field") {
+  const TestFolder folder;
+  applied(sphereDocument(folder, 400), SaveProject{.path = folder / "a.dapple"});
+  std::string bytes = contentOf(folder / "a.dapple");
+  bytes = replaced(bytes, "\"field\": \"smooth\"", "\"random-directions\": \"yes\"");
+  std::ofstream(folder / "b.dapple", std::ios::binary) << bytes;
+  CHECK(findRegion(opened(folder / "a.dapple"), 0)->options.field == FieldMethod::Smooth);
+  CHECK(findRegion(opened(folder / "b.dapple"), 0)->options.field == FieldMethod::Random);
+}
+
 TEST_CASE("a folder with project and scan can be moved as a whole") {
   const TestFolder folder;
   fs::create_directories(folder / "one");

@@ -5,6 +5,7 @@
 
 #include "app/cli/cli.h"
 #include "app/cli/report.h"
+#include "base/errors.h"
 #include "document/export_format.h"
 #include "document/strokes_file.h"
 #include "document/texture_job.h"
@@ -41,7 +42,9 @@ void runField(const FieldArguments& a, const CommonOptions& common, Monitor& mon
   if (a.zUp && options.up == TextureOptions{}.up) options.up = vec3(0, 0, 1);
   validate(options);
   checkWritable(a.output);
-  exportFormat(a.output);
+  if (exportFormat(a.output) != ScanFormat::Ply)
+    throw InvalidInput(fmt::format(
+        "{}: only PLY files hold directions; give a name that ends with .ply", a.output));
   const PreparedScan prepared = prepareScan(a.scan, {}, options.neighbours, {}, monitor);
   const PointSet& points = prepared.scan.points;
   const std::vector<Stroke> strokes =

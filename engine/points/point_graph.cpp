@@ -60,6 +60,7 @@ PointGraph linkBothWays(const Neighborhoods& neighborhoods, const std::vector<ve
   graph.ids.resize(graph.offset[n]);
   std::vector<std::size_t> next(n);
   for (std::size_t i = 0; i < n; ++i) {
+    if (i % kGrain == 0) monitor.checkpoint();
     next[i] = graph.offset[i];
     forEachBit(bits[i].linked,
                [&](std::size_t c) { graph.ids[next[i]++] = neighborhoods.of(i)[c]; });

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kStep = 0.1f;
 constexpr int kMostSteps = 20000;
-constexpr float kStill = 1.7e-4f / 10;  // chord of the turn in a step, a hundredth of a degree / 10
+constexpr float kStill = 1.7e-5f;  // chord of a thousandth of a degree, in a step
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr double kLeastGain =
     0.8;  // a level with more of the nodes below than this is not worth it
 // How far the wish to be upright reaches where it has to give in to smoothness, in root mean square
 // distances of the points from their centre.
-constexpr double kUprightReach = 0.25;
+constexpr double kUprightReach = 0.1;
 
 // What a level is made from; not needed to solve.
 struct Cloud {
@@ -110,22 +110,24 @@ Members membersOf(const std::vector<Index>& parent, Index count) {
   return out;
 }
 
-Cloud meansOf(const Cloud& fine, const Members& members) {
+Cloud meansOf(const Cloud& fine, const Members& members, Monitor& monitor) {
   Cloud out;
   const std::size_t count = members.offset.size() - 1;
   out.positions.resize(count);
   out.normals.resize(count);
-  for (std::size_t p = 0; p < count; ++p) {
-    vec3 position(0), normal(0);
-    for (std::size_t m = members.offset[p]; m < members.offset[p + 1]; ++m) {
-      position += fine.positions[members.ids[m]];
-      normal += fine.normals[members.ids[m]];
+  parallelFor(monitor, count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const std::size_t first = members.offset[p], last = members.offset[p + 1];
+      vec3 position(0), normal(0);
+      for (std::size_t m = first; m < last; ++m) {
+        position += fine.positions[members.ids[m]];
+        normal += fine.normals[members.ids[m]];
+      }
+      out.positions[p] = position / static_cast<float>(last - first);
+      const float length = glm::length(normal);
+      out.normals[p] = length > 1e-3f ? normal / length : fine.normals[members.ids[first]];
     }
-    out.positions[p] = position / static_cast<float>(members.offset[p + 1] - members.offset[p]);
-    const float length = glm::length(normal);
-    out.normals[p] =
-        length > 1e-3f ? normal / length : fine.normals[members.ids[members.offset[p]]];
-  }
+  });
   return out;
 }
 
@@ -277,8 +279,9 @@ FieldLevels buildFieldLevels(const PointSet& points, const Neighborhoods& neighb
     if (count < kFewestNodes || count > kLeastGain * static_cast<double>(level.size())) break;
     level.parent = std::move(parent);
     for (auto& [a, b] : bridges) a = level.parent[a], b = level.parent[b];
+    monitor.checkpoint();
     const Members members = membersOf(level.parent, count);
-    Cloud coarse = meansOf(cloud, members);
+    Cloud coarse = meansOf(cloud, members, monitor);
     MergedLinks merged = mergeLinks(level, cloud, members, coarse.normals, monitor);
     coarse.weight = std::move(merged.weight);
     bridges.insert(bridges.end(), merged.bridges.begin(), merged.bridges.end());

@@ -22,12 +22,13 @@ constexpr int kMostLevels = 16;
 constexpr int kFirstSweeps = 60;   // of the coarsest level
 constexpr float kNothing = 1e-6f;  // shorter sums have no direction
 // Levels of fewer nodes are solved anew by update().
-constexpr std::size_t kSmallLevel = 32768;
+constexpr std::size_t kSmallLevel = 8192;
 constexpr int kRounds = 6, kRoundSweeps = 2;  // of update(), around what it touches
 
-// Of a level of a quarter of the nodes twice as many: the finer levels take over its mistakes.
+// Of a level of a quarter of the nodes twice as many: the finer levels take over its mistakes. The
+// finest only has to even out what it takes over.
 int sweepsOf(std::size_t level) {
-  return 4 << std::min<std::size_t>(level, 6);
+  return level == 0 ? 2 : 4 << std::min<std::size_t>(level, 6);
 }
 
 template <class Value>
