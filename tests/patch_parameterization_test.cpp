@@ -26,19 +26,44 @@ struct Grown {
   float unit = 0;
 };
 
+// A field that patches are to follow; symmetry 0: they do not.
+struct Field {
+  std::vector<TangentFrame> frames;
+  int symmetry = 0;
+};
+
 Grown grow(PointSet points, const Swatch& swatch, const PatchOptions& options, std::size_t k = 25,
-           unsigned threads = 2) {
+           unsigned threads = 2, const Field& field = {}) {
   Workers workers(threads);
   Monitor monitor(workers);
   Grown out{.points = std::move(points)};
   out.near = buildNeighborhoods(out.points.positions, k, monitor);
   out.unit = static_cast<float>(meanSpacing(out.near, out.points.positions));
-  out.frames = framesTowards(out.points, {0, 1, 0});
+  out.frames = field.frames.empty() ? framesTowards(out.points, {0, 1, 0}) : field.frames;
   out.map = emptySourceMap(out.points.size(), out.unit);
-  const SynthesisInput input{out.points, out.near, swatch, out.frames, out.unit};
+  const SynthesisInput input{.points = out.points,
+                             .neighborhoods = out.near,
+                             .swatch = swatch,
+                             .frames = out.frames,
+                             .unit = out.unit,
+                             .follow = field.symmetry > 0,
+                             .symmetry = field.symmetry};
   out.statistics = growPatches(input, options, out.map, monitor);
   blendGaps(input, out.map, monitor);
   return out;
+}
+
+// Turned counter-clockwise by turns(point), in whole turns.
+template <class Turns>
+std::vector<TangentFrame> turnedFrames(const PointSet& points, const Turns& turns) {
+  std::vector<TangentFrame> frames = framesTowards(points, {0, 1, 0});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto angle = static_cast<float>(2 * std::numbers::pi * turns(i));
+    const TangentFrame frame = frames[i];
+    frames[i].t = std::cos(angle) * frame.t - std::sin(angle) * frame.s;
+    frames[i].s = glm::cross(frames[i].t, frame.n);
+  }
+  return frames;
 }
 
 // A cylinder of radius 1 along y, from y = 0 to `height`.
@@ -94,6 +119,48 @@ TEST_CASE("on a plane the pattern stands upright and is not mirrored") {
     const vec2 texels = (g.map.domain[i] - g.map.domain[0]) * g.unit;
     REQUIRE(texels.x == doctest::Approx(step.x).epsilon(1e-3));   // z up to us: x is to the right,
     REQUIRE(texels.y == doctest::Approx(-step.y).epsilon(1e-3));  // and image rows run down
+  }
+}
+
+TEST_CASE("patches that follow a field have its directions, and end where it cannot be flattened") {
+  const PointSet plane = makePlane(80, 80, 1);
+  // Circles around a place outside: their lengths differ, so that no flattening has all of them.
+  const vec3 centre(-60, 40, 0);
+  const auto around = turnedFrames(plane, [&](std::size_t i) {
+    const vec3 out = plane.positions[i] - centre;
+    return std::atan2(out.y, out.x) / (2 * std::numbers::pi);
+  });
+  const auto worst = [&](const Grown& g) {
+    float least = 1;
+    for (std::size_t i = 0; i < g.points.size(); ++i)
+      if (g.map.state[i] != PointState::Free)
+        least = std::min(least, glm::dot(g.map.frame[i].t, around[i].t));
+    return least;
+  };
+  const Grown followed = grow(plane, tile(), {}, 25, 2, {around, 1});
+  CHECK(worst(followed) > 0.99999f);
+  CHECK(followed.statistics.maxDistortion > 0.1);
+  const Grown straight = grow(plane, tile(), {}, 25, 2, {around, 0});
+  CHECK(worst(straight) < 0.9f);
+  CHECK(straight.statistics.gapPoints == 0);
+  CHECK(grow(plane, tile(), {.distortion = 0.1f}, 25, 2, {around, 1}).statistics.gapPoints >
+        followed.statistics.gapPoints);
+}
+
+TEST_CASE("a straight field is followed in one patch, whatever turn of its symmetry points have") {
+  const PointSet plane = makePlane(40, 40, 1);
+  for (const int symmetry : {1, 2, 4}) {
+    CAPTURE(symmetry);
+    const auto frames = turnedFrames(plane, [&](std::size_t i) {
+      const auto folds = static_cast<std::uint64_t>(symmetry);
+      return 0.1 + static_cast<double>(hashBelow(folds, 5, i)) / symmetry;
+    });
+    const Grown g = grow(plane, tile(), {}, 25, 2, {frames, symmetry});
+    CHECK(g.statistics.patches == 1);
+    CHECK(g.statistics.gapPoints == 0);
+    CHECK(g.statistics.maxDistortion < 1e-3);
+    for (std::size_t i = 0; i < g.points.size(); ++i)
+      REQUIRE(glm::dot(g.map.frame[i].t, g.map.frame[0].t) > 0.99999f);
   }
 }
 

@@ -90,7 +90,7 @@ bool optionWidgets(TextureOptions& options) {
   TextureOptions edited = options;
   bool changed = false;
   for (const OptionRow& row : optionsTable()) {
-    if (row.name == "threads") continue;  // the engine's
+    if (row.name == "threads" || !row.countsIn(options)) continue;  // threads: the engine's
     changed |= optionWidget(edited, row);
   }
   if (!changed) return false;

@@ -14,6 +14,40 @@ namespace {
 using T = TextureOptions;
 constexpr double kMostSeed = 9007199254740992.0;  // 2^53: exact in every JSON reader
 
+constexpr bool growsPatches(const T& o) {
+  return o.method == Method::Hybrid || o.method == Method::Patches;
+}
+constexpr bool fillsByMatching(const T& o) {
+  return o.method == Method::Hybrid && o.gaps == GapFill::Match;
+}
+constexpr bool matches(const T& o) {
+  return o.method == Method::Match || fillsByMatching(o);
+}
+constexpr bool matchesOrGrid(const T& o) {
+  return matches(o) || o.method == Method::Grid;
+}
+constexpr bool isHybrid(const T& o) {
+  return o.method == Method::Hybrid;
+}
+constexpr bool isGrid(const T& o) {
+  return o.method == Method::Grid;
+}
+constexpr bool pastesSquares(const T& o) {
+  return isGrid(o) && o.assign == GridAssign::Multi;
+}
+constexpr bool isDirected(const T& o) {
+  return growsPatches(o) || matchesOrGrid(o);
+}
+constexpr bool isSpread(const T& o) {
+  return isDirected(o) && o.field != FieldMethod::Up && o.field != FieldMethod::Random;
+}
+constexpr bool isFolded(const T& o) {
+  return isSpread(o) && o.field != FieldMethod::Spread;
+}
+constexpr bool mayFollow(const T& o) {
+  return growsPatches(o) && o.field != FieldMethod::Random;
+}
+
 constexpr std::array kTable = {
     OptionRow{.name = "method",
               .field = &T::method,
@@ -28,12 +62,14 @@ constexpr std::array kTable = {
               .field = &T::levels,
               .low = 1,
               .high = 8,
-              .help = "match: levels of the point hierarchy, coarse to fine"},
+              .help = "match: levels of the point hierarchy, coarse to fine",
+              .counts = matches},
     OptionRow{.name = "coherent",
               .field = &T::coherent,
               .choices = "yes|no",
               .help = "match: continue the neighbours' texels instead of searching everywhere; "
-                      "grid: prefer to"},
+                      "grid: prefer to",
+              .counts = matchesOrGrid},
     OptionRow{.name = "scale",
               .field = &T::scale,
               .low = 0.01,
@@ -42,30 +78,36 @@ constexpr std::array kTable = {
     OptionRow{.name = "gaps",
               .field = &T::gaps,
               .choices = "cut|match",
-              .help = "hybrid: align patches and cut along the best seam, or match the gaps only"},
+              .help = "hybrid: align patches and cut along the best seam, or match the gaps only",
+              .counts = isHybrid},
     OptionRow{.name = "expand",
               .field = &T::expand,
               .choices = "yes|no",
-              .help = "hybrid with --gaps match: widen the gaps by one neighbourhood first"},
+              .help = "hybrid with --gaps match: widen the gaps by one neighbourhood first",
+              .counts = fillsByMatching},
     OptionRow{.name = "grid",
               .field = &T::grid,
               .low = 3,
               .high = 31,
               .odd = true,
-              .help = "grid: swatch pixels along each side of the square that is matched"},
+              .help = "grid: swatch pixels along each side of the square that is matched",
+              .counts = isGrid},
     OptionRow{.name = "assign",
               .field = &T::assign,
               .choices = "single|multi",
-              .help = "grid: a match colours its own point, or all open points of its square"},
+              .help = "grid: a match colours its own point, or all open points of its square",
+              .counts = isGrid},
     OptionRow{.name = "grid-seams",
               .field = &T::gridSeams,
               .choices = "yes|no",
-              .help = "grid with --assign multi: cut the squares where they differ least"},
+              .help = "grid with --assign multi: cut the squares where they differ least",
+              .counts = pastesSquares},
     OptionRow{.name = "grid-neighbours",
               .field = &T::gridNeighbours,
               .low = 0,
               .high = 4096,
-              .help = "grid: most points that one square is filled from, 0 for all it covers"},
+              .help = "grid: most points that one square is filled from, 0 for all it covers",
+              .counts = isGrid},
     OptionRow{.name = "tileable",
               .field = &T::tileable,
               .choices = "auto|yes|no",
@@ -77,31 +119,37 @@ constexpr std::array kTable = {
               .field = &T::field,
               .choices = "smooth|spread|diffuse|up|random",
               .help = "directions between strokes: smooth everywhere, spread from the nearest, or "
-                      "diffuse (slow); up and random ignore strokes"},
+                      "diffuse (slow); up and random ignore strokes",
+              .counts = isDirected},
     OptionRow{.name = "symmetry",
               .field = &T::symmetry,
               .choices = "none|180|90",
-              .help = "turn in degrees after which a direction counts as the same"},
+              .help = "turn in degrees after which a direction counts as the same",
+              .counts = isFolded},
     OptionRow{.name = "creases",
               .field = &T::creases,
               .choices = "carry|break",
-              .help = "directions go on across sharp edges, or end there"},
+              .help = "directions go on across sharp edges, or end there",
+              .counts = isSpread},
     OptionRow{.name = "follow",
               .field = &T::follow,
               .choices = "yes|no",
               .help =
                   "patches turn with the directions everywhere, in place of running straight on "
-                  "from where they start"},
+                  "from where they start",
+              .counts = mayFollow},
     OptionRow{.name = "distortion",
               .field = &T::distortion,
               .low = 0,
               .high = 1e9,
-              .help = "patches: largest distortion before a gap; 1.6 is about 15 % of stretch"},
+              .help = "patches: largest distortion before a gap; 1.6 is about 15 % of stretch",
+              .counts = growsPatches},
     OptionRow{.name = "size-limit",
               .field = &T::sizeLimit,
               .low = 0.05,
               .high = 1,
-              .help = "patches: largest share of a swatch that does not tile, along each side"},
+              .help = "patches: largest share of a swatch that does not tile, along each side",
+              .counts = growsPatches},
     OptionRow{.name = "seed",
               .field = &T::seed,
               .low = 0,

@@ -24,6 +24,10 @@ struct OptionRow {
   bool odd = false;          // whole numbers: only odd ones
   std::string_view choices;  // enumerations: names by value, separated by '|'
   std::string_view help;     // one sentence, with the unit
+  // Whether the value makes a difference with these others; null: always.
+  bool (*counts)(const TextureOptions&) = nullptr;
+
+  bool countsIn(const TextureOptions& options) const { return !counts || counts(options); }
 };
 
 std::span<const OptionRow> optionsTable();
