@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
@@ -129,6 +130,30 @@ TEST_CASE("the oriented figures see a turn that the free ones allow") {
   CHECK(turned.F >= 0.95);
   CHECK(turned.orientedF.value() <= 0.2);
   CHECK_FALSE(scored(plane(), colours, swatch).orientedF.has_value());
+}
+
+TEST_CASE("the direction of a pattern is measured, where it has one") {
+  const Swatch swatch = fixtures::swatchOf(fixtures::stripes(48, 8));
+  const std::vector<vec3> colours = paint(plane(), swatch, asItIs);
+  const auto turnedBy = [&](float degrees) {
+    const float angle = degrees * std::numbers::pi_v<float> / 180;
+    std::vector<vec3> directions;
+    for (const vec3& t : plane().up)
+      directions.push_back({t.x * std::cos(angle) - t.y * std::sin(angle),
+                            t.x * std::sin(angle) + t.y * std::cos(angle), 0});
+    return scored(plane(), colours, swatch, {&directions, kFull}).direction;
+  };
+  for (const float degrees : {0.f, 10.f, -25.f, 90.f}) {
+    CAPTURE(degrees);
+    const auto error = turnedBy(degrees);
+    REQUIRE(error);
+    CHECK(std::abs(error->median - std::abs(degrees)) < 1.5);
+    CHECK(error->perfectMedian < 1);
+    CHECK(error->perfect95 < 3);
+  }
+  const Swatch round = fixtures::swatchOf(fixtures::noise(48));
+  CHECK_FALSE(
+      scored(plane(), paint(plane(), round, asItIs), round, {&plane().up, kFull}).direction);
 }
 
 TEST_CASE("denser and sparser points give a perfect mapping its due") {

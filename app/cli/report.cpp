@@ -40,7 +40,13 @@ Json scoreJson(const TextureScore& score) {
             {"seam_error", optionalNumber(score.seamError)},
             {"breaks", optionalNumber(score.breaks)},
             {"verbatim", optionalNumber(score.verbatim)},
-            {"gap_contrast", optionalNumber(score.gapContrast)}};
+            {"gap_contrast", optionalNumber(score.gapContrast)},
+            {"direction_error", nullptr}};
+  if (const auto& error = score.direction)
+    json["direction_error"] = {{"median", error->median},
+                               {"p95", error->percentile95},
+                               {"perfect_median", error->perfectMedian},
+                               {"perfect_p95", error->perfect95}};
   return json;
 }
 

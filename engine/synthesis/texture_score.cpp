@@ -17,6 +17,7 @@
 #include "points/tangent_patch.h"
 #include "swatch/gaussian_blur.h"
 #include "swatch/texel_reader.h"
+#include "synthesis/score_direction.h"
 #include "synthesis/score_patches.h"
 #include "synthesis/score_seams.h"
 #include "synthesis/sliced_distance.h"
@@ -75,6 +76,7 @@ struct Judge {
   std::vector<Placement> found;                  // where the residual was reached
   std::vector<PatchCode> codes, perfectCodes, secondCodes;
   std::vector<float> detail, perfectDetail;
+  std::vector<StructureTensor> tensor, perfectTensor;  // oriented only
   std::vector<std::uint8_t> evaluated;
 
   const ScoreImage& image() const { return grid->image(); }
@@ -217,6 +219,8 @@ void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std:
   judge.codes[e] = judge.coder->encode(actual);
   judge.perfectCodes[e] = judge.coder->encode(first);
   judge.secondCodes[e] = judge.coder->encode(second);
+  if (judge.oriented)
+    judge.tensor[e] = structureTensor(actual), judge.perfectTensor[e] = structureTensor(first);
   judge.detail[e] = windowDetail(actual);
   judge.perfectDetail[e] = 0.5f * (windowDetail(first) + windowDetail(second));
   judge.queries[e / kGrain].push_back({actual, e});
@@ -432,6 +436,7 @@ std::vector<Judge> makeJudges(const Context& context,
       judge.perfectCodes.resize(count);
       judge.secondCodes.resize(count);
       judge.evaluated = std::vector<std::uint8_t>(count);
+      if (oriented) judge.tensor.resize(count), judge.perfectTensor.resize(count);
       judges.push_back(std::move(judge));
     }
   }
@@ -477,6 +482,8 @@ TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, 
     for (std::size_t s = 0; s < kScales.size(); ++s)
       (*score.oriented)[s] = summarise(judges[kScales.size() + s], options.seed);
     score.orientedF = figureOfMerit(*score.oriented);
+    const Judge& judge = judges[kScales.size()];
+    score.direction = directionError(judge.tensor, judge.perfectTensor);
   }
   return score;
 }

@@ -44,6 +44,13 @@ struct ScaleScore {
   double slicedNoise = 0;    // sw between two perfect mappings: what chance alone makes of it
 };
 
+// How far the direction in which colours change most is off that of the swatch, in windows where
+// they change in one direction much more than across it. Degrees, 0 to 90.
+struct DirectionError {
+  double median = 0, percentile95 = 0;
+  double perfectMedian = 0, perfect95 = 0;  // of a perfect mapping: how far the swatch itself turns
+};
+
 struct TextureScore {
   std::array<ScaleScore, 3> free;                     // any rotation
   std::optional<std::array<ScaleScore, 3>> oriented;  // within +-20 degrees of the directions
@@ -51,6 +58,7 @@ struct TextureScore {
   // with 2000 evaluation points, more with fewer; detail_1 falls with blur.
   double F = 0;
   std::optional<double> orientedF;
+  std::optional<DirectionError> direction;  // at the finest scale, where the swatch has one
   std::optional<double> seamError;    // mean over k-NN edges |I(s_i + R_i o_ij) - c_j| / sigma
   std::optional<double> breaks;       // share of edges off by more than 0.8 px
   std::optional<double> verbatim;     // area-weighted mean size of coherent pieces, points
