@@ -48,7 +48,11 @@ class PlainWays {
         closer_(graph.points.size()) {}
 
   std::vector<float> run(std::span<const Index> seeds, Monitor& monitor) {
-    for (const Index seed : seeds) enter(seed, 0);
+    for (const Index seed : seeds) {
+      low_ = glm::min(low_, positions_[seed] - limit_),
+      high_ = glm::max(high_, positions_[seed] + limit_);
+      enter(seed, 0);
+    }
     do {
       drain(monitor);
     } while (followLinksOfOthers(monitor));
@@ -57,6 +61,13 @@ class PlainWays {
 
  private:
   bool linked(std::size_t i, Index j) const { return glm::dot(normals_[i], normals_[j]) > 0; }
+
+  // False: further from all seeds than the limit, as the crow flies.
+  bool inReach(std::size_t i) const {
+    const vec3& p = positions_[i];
+    return p.x >= low_.x && p.y >= low_.y && p.z >= low_.z && p.x <= high_.x && p.y <= high_.y &&
+           p.z <= high_.z;
+  }
 
   std::size_t bucketOf(float distance) const {
     return static_cast<std::size_t>(
@@ -107,6 +118,7 @@ class PlainWays {
     std::vector<std::vector<std::pair<Index, float>>> found((n + kGrain - 1) / kGrain);
     parallelFor(monitor, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
+        if (!inReach(i)) continue;
         float least = distance_[i], atLeast = 0;
         for (const Index j : near_.of(i).first(links_)) {
           if (!closer_.has(j) || !(distance_[j] + atLeast < least)) continue;
@@ -128,6 +140,7 @@ class PlainWays {
   const std::vector<vec3>&positions_, &normals_;
   const std::size_t links_;
   const float limit_, step_;
+  vec3 low_{kUnreached}, high_{-kUnreached};  // around all that may be reached
   std::vector<float> distance_;
   std::vector<float> followed_;  // from which distance the links of a point were followed
   PointMask closer_;             // points that came closer since links of others were followed last
