@@ -2,7 +2,7 @@
 # Draws the pictures of the README with the program itself.
 # usage: assets/pictures/make_pictures.sh [SCAN]      (the default is the scan of ./demo)
 # demo.png is the picture at the top; NAME_METHOD.png are those of the table of methods; closeup_*
-# show the swatch inside the splats.
+# show the swatch inside the splats, directions_* what strokes do.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -50,6 +50,16 @@ for texels in off on; do
   draw leopard "closeup_$texels" --texels "$texels" --eye 0.2,0.1,2.6 --target 0,0.1,0
 done
 rm "$pictures/closeup.png"
+
+# Directions: as published, and along strokes (of the demo's bunny).
+if [[ $scan == */bunny.obj ]]; then
+  size=480x360
+  texture stripes hybrid directions --scale 0.7 --field up --no-follow
+  draw stripes directions_up --view "$view" --overlay directions
+  texture stripes hybrid directions --scale 0.7 --strokes "$pictures/bunny_strokes.json"
+  draw stripes directions_strokes --view "$view" --overlay directions
+  rm "$pictures/directions.png"
+fi
 
 # The editor, as its tests leave it.
 build/release/dapple_editor_tests --test-case='from the start screen*' >/dev/null
