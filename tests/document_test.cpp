@@ -110,23 +110,30 @@ TEST_CASE("a cropped swatch is a part of its image") {
   CHECK(region.image->at(3, 2, 1) == imageNamed("noise.png").at(8, 9, 1));
 }
 
-TEST_CASE("a whole scan is synthesized byte for byte as the command line does it") {
+TEST_CASE("a whole scan is synthesized byte for byte as the command line does it, with strokes") {
   const TestFolder folder;
-  Document d = sphereDocument(folder, 3000);
-  TextureOptions options;
-  options.neighbours = 16;
-  d = applied(d, SetRegion{.region = 0, .options = options});
-  d = applied(d, SetSwatch{.region = 0, .reference = {.path = "bricks.png"}});
-  d = applied(d, Synthesize{});
+  const Document start = sphereDocument(folder, 3000);
+  const std::vector<vec3>& positions = start.points().positions;
+  const Stroke stroke{.positions = {positions[700], positions[720]}, .points = {700, 720}};
   Workers workers;
   Monitor monitor(workers);
-  const TexturedPoints alone =
-      texturePoints(d.scan->prepared, *findRegion(d, 0)->swatch, {}, options, monitor);
-  const SourceMap map = wholeMap(d);
-  CHECK(map.colour == alone.map.colour);
-  CHECK(map.texel == alone.map.texel);
-  CHECK(map.state == alone.map.state);
-  CHECK(map.scale == alone.map.scale);
+  for (const Method method : {Method::Hybrid, Method::Grid}) {
+    TextureOptions options;
+    options.neighbours = 16, options.method = method, options.grid = 11;
+    Document d = applied(start, SetRegion{.region = 0, .options = options});
+    d = applied(d, SetSwatch{.region = 0, .reference = {.path = "bricks.png"}});
+    d = applied(d, AddStroke{.region = 0, .stroke = stroke});
+    d = applied(d, Synthesize{});
+    const TexturedPoints alone =
+        texturePoints(d.scan->prepared, *findRegion(d, 0)->swatch, {&stroke, 1}, options, monitor);
+    const SourceMap map = wholeMap(d);
+    CHECK(map.colour == alone.map.colour);
+    CHECK(map.texel == alone.map.texel);
+    CHECK(map.state == alone.map.state);
+    CHECK(map.scale == alone.map.scale);
+    // The grid begins where the stroke does.
+    if (method == Method::Grid) CHECK(map.order[700] == 0);
+  }
 }
 
 TEST_CASE("fewer neighbours than the scan has give what a scan with fewer would") {

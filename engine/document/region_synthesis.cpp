@@ -252,14 +252,17 @@ RegionResult synthesizeRegion(const Document& document, const Region& region,
     fewer = buildNeighborhoods(points.positions, k, monitor);
   const bool scans = whole && k == prepared.neighborhoods.k;
   const Neighborhoods& neighborhoods = scans ? prepared.neighborhoods : fewer;
+  const std::vector<Stroke> strokes = strokesWithin(region.strokes, out.points);
+  const std::vector<Index> starts = startsOf(strokes);
   const std::vector<TangentFrame> frames =
-      framesOf(points, neighborhoods, region, strokesWithin(region.strokes, out.points), monitor);
+      framesOf(points, neighborhoods, region, strokes, monitor);
   const auto source = sourceOf(region, prepared.spacing * static_cast<float>(options.scale));
   SynthesisResult result = synthesize({.points = points,
                                        .neighborhoods = neighborhoods,
                                        .swatch = *region.swatch,
                                        .frames = frames,
-                                       .unit = source->unit},
+                                       .unit = source->unit,
+                                       .starts = starts},
                                       options, monitor);
   source->statistics = result.statistics;
   noteBlends(result.map, out.points, *source);

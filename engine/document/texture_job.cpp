@@ -105,11 +105,13 @@ TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
   out.frames =
       std::move(directionsOf(points, prepared.neighborhoods, strokes, options, monitor).frames);
   const float unit = prepared.spacing * static_cast<float>(options.scale);
+  const std::vector<Index> starts = startsOf(strokes);
   const SynthesisInput input{.points = points,
                              .neighborhoods = prepared.neighborhoods,
                              .swatch = swatch,
                              .frames = out.frames,
-                             .unit = unit};
+                             .unit = unit,
+                             .starts = starts};
   SynthesisResult result = synthesize(input, options, monitor);
   out.map = std::move(result.map);
   out.statistics = result.statistics;

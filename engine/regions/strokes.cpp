@@ -64,6 +64,12 @@ class Marker {
 
 }  // namespace
 
+std::vector<Index> startsOf(std::span<const Stroke> strokes) {
+  std::vector<Index> starts;
+  for (const Stroke& stroke : strokes) starts.push_back(stroke.points.front());
+  return starts;
+}
+
 void validate(const Stroke& stroke, std::size_t points) {
   if (stroke.positions.size() < 2 || stroke.points.size() != stroke.positions.size())
     throw InvalidInput(fmt::format(

@@ -19,6 +19,9 @@ struct Stroke {
   bool operator==(const Stroke&) const = default;
 };
 
+// Their first points: as in [Zeng], whoever draws where the pattern runs also says where it begins.
+std::vector<Index> startsOf(std::span<const Stroke> strokes);
+
 // Throws InvalidInput that names what is wrong with a stroke over a scan of n points.
 void validate(const Stroke& stroke, std::size_t points);
 

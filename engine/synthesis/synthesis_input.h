@@ -20,7 +20,7 @@ struct SynthesisInput {
   // Charts turn with the frames at every point; else they run straight on from where they start.
   bool follow = false;
   int symmetry = 1;  // of the swatch: it looks the same turned by whole turns / symmetry; 1, 2, 4
-  // Ids of points that synthesis should begin at (grid only); empty: by the seed.
+  // Where synthesis begins (grid only); empty: by the seed.
   std::span<const Index> starts = {};
 };
 
