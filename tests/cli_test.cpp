@@ -96,6 +96,13 @@ bool allNumbersFinite(const Json& json) {
   return !json.is_null() && (!json.is_number() || std::isfinite(json.get<double>()));
 }
 
+// The one figure that is not known of every swatch: those here have no direction.
+void takeOutDirection(Json& score) {
+  REQUIRE(score.contains("direction_error"));
+  CHECK(score["direction_error"].is_null());
+  score.erase("direction_error");
+}
+
 const std::vector<const char*> kScoreKeys{
     "F", "F_oriented", "c1", "c2", "c4", "defects", "sw", "seam_error", "breaks", "gap_contrast"};
 
@@ -240,7 +247,7 @@ TEST_CASE("the report and the score are complete, and points set aside are writt
     CHECK(wordsOf(ply.body[6])[c] == wordsOf(ply.body[700])[c]);
   }
 
-  const Json report = Json::parse(bytesOf(folder / "report.json"));
+  Json report = Json::parse(bytesOf(folder / "report.json"));
   for (const char* key : {"version", "method", "options", "seed", "threads", "points", "neighbours",
                           "spacing", "seconds", "points_per_second", "patches", "gap_share",
                           "matched_share", "distortion", "peak_memory", "score"})
@@ -248,6 +255,7 @@ TEST_CASE("the report and the score are complete, and points set aside are writt
   for (const char* key : {"load", "neighbours", "normals", "synthesis", "save"})
     CHECK_MESSAGE(report["seconds"].contains(key), key);
   for (const char* key : {"mean", "max"}) CHECK_MESSAGE(report["distortion"].contains(key), key);
+  takeOutDirection(report["score"]);
   CHECK(allNumbersFinite(report));
   CHECK(report["points"] == kPoints - 3);
   CHECK(report["duplicates"] == 2);
@@ -257,7 +265,8 @@ TEST_CASE("the report and the score are complete, and points set aside are writt
   const Run scored = dapple({"score", out, "--swatch", swatch(), "--json", "--quiet"});
   REQUIRE_MESSAGE(scored.code == 0, scored.err);
   CHECK(scored.err.empty());
-  const Json score = Json::parse(scored.out);
+  Json score = Json::parse(scored.out);
+  takeOutDirection(score);
   for (const char* key : kScoreKeys) {
     CHECK_MESSAGE(report["score"].contains(key), key);
     CHECK_MESSAGE(score.contains(key), key);
