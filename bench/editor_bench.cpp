@@ -479,6 +479,7 @@ void Bench::memory() {
                      emptyDocument())) /
             points,
         "bytes");
+  submit(GoTo{1});
 }
 
 void Bench::idle() {
@@ -526,13 +527,14 @@ int main(int argc, char** argv) {
   {
     Bench bench(request);
     bench.open(scan);
+    // First: the minute's syntheses push the scan as it was opened out of the history.
+    if (request.wants("memory")) bench.memory();
     bench.prepare();
     if (request.wants("frames")) bench.frames();
     if (request.wants("tools")) bench.tools();
     if (request.wants("previews")) bench.previews();
     if (request.wants("cancel")) bench.cancel();
     if (request.wants("minute")) bench.minute();
-    if (request.wants("memory")) bench.memory();
     if (request.wants("idle")) bench.idle();
   }
   if (request.scan.empty()) fs::remove(scan);
