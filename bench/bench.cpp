@@ -19,9 +19,9 @@
 
 #include "document/texture_job.h"
 #include "io/image_io.h"
+#include "points/kd_tree.h"
 #include "points/normals.h"
 #include "tests/fixtures.h"
-#include "tests/kd_tree.h"
 
 namespace {
 

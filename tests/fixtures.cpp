@@ -27,7 +27,8 @@ float around(float a, float b, int size) {
   return a - b - static_cast<float>(size) * std::round((a - b) / static_cast<float>(size));
 }
 
-// Points in Morton order, as a PointSet promises.
+}  // namespace
+
 PointSet inMortonOrder(const PointSet& points) {
   PointSet sorted;
   for (const Index i : mortonOrder(points.positions)) {
@@ -36,8 +37,6 @@ PointSet inMortonOrder(const PointSet& points) {
   }
   return sorted;
 }
-
-}  // namespace
 
 PointSet makePlane(float width, float height, float spacing, float jitter) {
   PointSet plane;

@@ -13,6 +13,9 @@ namespace dapple::fixtures {
 // side `spacing`, moved from the cell's centre by up to `jitter` / 2 cells along each axis.
 PointSet makePlane(float width, float height, float spacing, float jitter = 1);
 
+// As a PointSet promises its points to be; positions and normals only.
+PointSet inMortonOrder(const PointSet& points);
+
 // `count` points of a Fibonacci spiral on a sphere around the origin.
 PointSet makeSphere(std::size_t count, float radius);
 

@@ -8,7 +8,7 @@
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
-#include "kd_tree.h"
+#include "points/kd_tree.h"
 
 using namespace dapple;
 

@@ -31,15 +31,6 @@ Surface surfaceOf(PointSet points) {
   return out;
 }
 
-PointSet sorted(const PointSet& points) {
-  PointSet out;
-  for (const Index i : mortonOrder(points.positions)) {
-    out.positions.push_back(points.positions[i]);
-    out.normals.push_back(points.normals[i]);
-  }
-  return out;
-}
-
 // Radius 1 around the y axis, y from 0 to 4, without lids.
 PointSet cylinder(int around) {
   PointSet out;
@@ -52,7 +43,7 @@ PointSet cylinder(int around) {
           n + vec3(0, step * (static_cast<float>(row) + 0.5f * hashUniform(2, row, c)), 0));
       out.normals.push_back(n);
     }
-  return sorted(out);
+  return inMortonOrder(out);
 }
 
 // Around the y axis, radii 1 and 0.4.
@@ -70,7 +61,7 @@ PointSet torus(int around) {
       out.positions.push_back(out1 + 0.4f * n);
       out.normals.push_back(n);
     }
-  return sorted(out);
+  return inMortonOrder(out);
 }
 
 // Two squares that meet along the y axis at a right angle: z = 0 for x < 0, x = 0 for z < 0.
@@ -82,7 +73,7 @@ PointSet fold(float spacing) {
     out.positions.push_back({0, p.y, -p.x});
     out.normals.push_back({1, 0, 0});
   }
-  return sorted(out);
+  return inMortonOrder(out);
 }
 
 Index nearest(const PointSet& points, const vec3& to) {
@@ -387,7 +378,7 @@ TEST_CASE("a part that no stroke reaches keeps its upright field") {
     both.positions.push_back(both.positions[i] + vec3(3, 0, 0));
     both.normals.push_back(both.normals[i]);
   }
-  const Surface surface = surfaceOf(sorted(both));
+  const Surface surface = surfaceOf(inMortonOrder(both));
   const std::vector<Stroke> strokes{
       strokeAlong(surface.points, {{0.2f, 0.5f, 0}, {0.8f, 0.5f, 0}})};
   for (const FieldMethod method : kDrawn) {

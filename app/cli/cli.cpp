@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -65,7 +66,8 @@ std::vector<std::string> argumentsOf(int argc, char** argv) {
 
 void runCommand(const Subcommand& command) {
   std::stop_source stop;
-  const InterruptWatch watch(stop);
+  std::optional<InterruptWatch> watch;
+  if (!command.staysOpen) watch.emplace(stop);
   ProgressPrinter printer(progressStyle(*command.common));
   Workers workers(static_cast<unsigned>(command.common->table.threads));
   Monitor monitor(workers, stop.get_token(),

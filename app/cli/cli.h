@@ -23,6 +23,8 @@ struct Subcommand {
   CLI::App* app = nullptr;
   const CommonOptions* common = nullptr;
   std::function<void(Monitor&)> run;
+  // It works until it is stopped, and never looks at the monitor: signals end it at once.
+  bool staysOpen = false;
 };
 Subcommand addTextureCommand(CLI::App& app, CommonOptions& common);
 Subcommand addInfoCommand(CLI::App& app, CommonOptions& common);

@@ -72,7 +72,11 @@ Subcommand addEditCommand(CLI::App& app, CommonOptions& common) {
   sub->add_flag("--factory-settings", arguments->factorySettings,
                 "neither read nor write the user's settings and keys");
   addTableOption(*sub, "threads", common.table);
-  return {sub, &common, [arguments, &common](Monitor&) { runEdit(*arguments, common); }};
+  // Stopped by a signal it leaves what recovery needs: closing it in order would throw that away.
+  return {.app = sub,
+          .common = &common,
+          .run = [arguments, &common](Monitor&) { runEdit(*arguments, common); },
+          .staysOpen = true};
 }
 
 }  // namespace dapple

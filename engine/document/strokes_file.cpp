@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.h"
 #include "document/project_io.h"
 #include "io/output_file.h"
 #include "io/ply.h"
+#include "points/kd_tree.h"
 
 namespace dapple {
 namespace {
@@ -18,21 +18,6 @@ using json = nlohmann::ordered_json;
 constexpr const char* kFormat = "dapple-strokes";
 constexpr int kVersion = 1;
 constexpr float kFarthest = 0.1f;  // from the scan, in diagonals of its bounds
-
-struct PointCloud {
-  const std::vector<vec3>& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i][static_cast<int>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using PointTree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>, PointCloud,
-                                        3>;
 
 // Where strokes are laid onto a scan.
 class Surface {
@@ -79,8 +64,8 @@ class Surface {
 
  private:
   const PointSet& points_;
-  PointCloud cloud_;
-  PointTree tree_;
+  KdCloud cloud_;
+  KdTree tree_;
   float spacing_, diagonal_ = 0;
 };
 

@@ -1,4 +1,5 @@
-// nanoflann over a list of positions: the oracle of the neighbour search and its rival in bench/.
+// nanoflann over a list of positions, for a few questions about any place; the neighbourhoods of
+// all points are found otherwise (neighborhoods.h), and compared with this in tests and bench/.
 #pragma once
 
 #include <nanoflann.hpp>
