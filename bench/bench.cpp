@@ -120,7 +120,7 @@ double scoreOf(const Timed& timed, const Swatch& swatch) {
   return scorePoints(timed.prepared,
                      {.colours = timed.result.map.colour,
                       .swatch = swatch,
-                      .unit = timed.result.map.scale,
+                      .unit = timed.result.map.unit,
                       .map = &timed.result.map},
                      monitor)
       .F;

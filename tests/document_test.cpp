@@ -130,7 +130,7 @@ TEST_CASE("a whole scan is synthesized byte for byte as the command line does it
     CHECK(map.colour == alone.map.colour);
     CHECK(map.texel == alone.map.texel);
     CHECK(map.state == alone.map.state);
-    CHECK(map.scale == alone.map.scale);
+    CHECK(map.unit == alone.map.unit);
     // The grid begins where the stroke does.
     if (method == Method::Grid) CHECK(map.order[700] == 0);
   }

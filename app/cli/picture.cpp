@@ -61,7 +61,7 @@ void checkTexels(const PictureOptions& options) {
 
 // Whether the swatch is shown inside the splats.
 bool usesTexels(const PictureInput& input, const PictureOptions& options) {
-  const bool possible = input.map && input.swatch && input.map->scale > 0 &&
+  const bool possible = input.map && input.swatch && input.map->unit > 0 &&
                         options.show == View::Colour && !input.columns.colours.empty();
   if (options.texels == "on" && !possible)
     throw InvalidInput(
@@ -188,11 +188,11 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
   if (usesTexels(input, options)) {
     texels = plainTexels({input.map->texel, input.columns.colours,
                           localSpacing(input.neighborhoods, input.points.positions)},
-                         *input.swatch, input.map->scale);
+                         *input.swatch, input.map->unit);
     frames = input.map->frame;
     if (options.zUp)
       for (TangentFrame& frame : frames) frame.s = yUp(frame.s), frame.t = yUp(frame.t);
-    texture.emplace(SplatTexture{*input.swatch, texels, frames, input.map->scale});
+    texture.emplace(SplatTexture{*input.swatch, texels, frames, input.map->unit});
     if (options.texels == "on") texture->longestStep = std::numeric_limits<float>::max();
     columns.texture = &*texture;
   }

@@ -72,7 +72,7 @@ Json reportJson(const ReportInput& input) {
       {"non_finite", prepared.scan.nonFinite},
       {"neighbours", prepared.neighborhoods.k},
       {"spacing", prepared.spacing * modelUnits},
-      {"unit", textured.map.scale * modelUnits},
+      {"unit", textured.map.unit * modelUnits},
       {"seconds",
        {{"load", prepared.seconds.load},
         {"neighbours", prepared.seconds.neighbours},

@@ -168,7 +168,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
         scorePoints(prepared,
                     {.colours = textured.map.colour,
                      .swatch = swatch,
-                     .unit = textured.map.scale,
+                     .unit = textured.map.unit,
                      .map = &textured.map,
                      // Against random directions there is nothing to measure.
                      .frames = options.field == FieldMethod::Random ? nullptr : &textured.frames},

@@ -179,7 +179,7 @@ SourceMap wholeMap(const Document& document) {
   SourceMap map;
   const auto largest = std::max_element(size.begin(), size.end());
   if (largest != size.end())
-    map.scale = results.sources[static_cast<std::size_t>(largest - size.begin())]->unit;
+    map.unit = results.sources[static_cast<std::size_t>(largest - size.begin())]->unit;
   map.texel = *results.texel;
   map.frame = *results.frame;
   map.colour = *results.colour;

@@ -99,7 +99,7 @@ RecordTable texturedTable(const Scan& scan, const SourceMap& map, const ExportOp
   std::erase_if(table.comments,
                 [](const std::string& line) { return line.starts_with(kUnitComment); });
   table.comments.push_back(
-      fmt::format("{}{}", kUnitComment, static_cast<double>(map.scale) * scan.points.modelUnits));
+      fmt::format("{}{}", kUnitComment, static_cast<double>(map.unit) * scan.points.modelUnits));
   return table;
 }
 

@@ -28,7 +28,7 @@ struct MatchingStatistics {
 };
 
 // Colours every point of `map` whose state is Free or Gap; Patch points stay as they are and count
-// as coloured. map.frame must hold the axes of every point and map.scale the unit. Writes texel,
+// as coloured. map.frame must hold the axes of every point and map.unit the unit. Writes texel,
 // colour, state = Matched, patch = kNone, error, order. The swatch's stack should have as many
 // levels as are asked for; its last level stands in for those it lacks. The bytes written are the
 // same at any number of threads. Throws Cancelled; then the map is as it was.

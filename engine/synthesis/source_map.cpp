@@ -2,9 +2,9 @@
 
 namespace dapple {
 
-SourceMap emptySourceMap(std::size_t n, float scale) {
+SourceMap emptySourceMap(std::size_t n, float unit) {
   SourceMap map;
-  map.scale = scale;
+  map.unit = unit;
   map.texel.assign(n, vec2(0));
   map.frame.assign(n, TangentFrame{});
   map.colour.assign(n, vec3(0));

@@ -21,7 +21,8 @@ struct BlendTerm {
 
 // n elements a column. A column that a method has nothing to say about stays empty.
 struct SourceMap {
-  float scale = 0;                  // local units per swatch pixel
+  float unit = 0;                   // local units per swatch pixel
+  std::vector<float> scale;         // times the unit; empty: 1 everywhere
   std::vector<vec2> texel;          // swatch pixels
   std::vector<TangentFrame> frame;  // the swatch's axes on the surface
   std::vector<vec3> colour;         // 0..1
@@ -43,7 +44,7 @@ inline float filterLevel(float spacing, float unit) {
 }
 
 // A map of n free points.
-SourceMap emptySourceMap(std::size_t n, float scale);
+SourceMap emptySourceMap(std::size_t n, float unit);
 
 // Reads the swatch where patch point i lies now: texel and colour from domain and placement[patch].
 void placePoint(SourceMap& map, const Swatch& swatch, std::size_t i);

@@ -59,6 +59,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   const std::size_t n = input.points.size();
   monitor.begin(Stage::Synthesis, n, passesOf(options));
   SynthesisResult result{.map = emptySourceMap(n, input.unit)};
+  result.map.scale.assign(input.scale.begin(), input.scale.end());
   SourceMap& map = result.map;
   switch (options.method) {
     case Method::Hybrid: {

@@ -15,6 +15,7 @@ struct SynthesisInput {
   const Swatch& swatch;
   const std::vector<TangentFrame>& frames;  // n: where the swatch's axes should point
   float unit = 0;                           // local units per swatch pixel
+  std::span<const float> scale = {};        // n, times the unit; empty: 1 everywhere
   // n: where charts take the points to lie (smoothedPositions()); null: the stages decide.
   const std::vector<vec3>* chart = nullptr;
   // Charts turn with the frames at every point; else they run straight on from where they start.
@@ -22,6 +23,9 @@ struct SynthesisInput {
   int symmetry = 1;  // of the swatch: it looks the same turned by whole turns / symmetry; 1, 2, 4
   // Where synthesis begins (grid only); empty: by the seed.
   std::span<const Index> starts = {};
+
+  // Local units per swatch pixel at point i.
+  float unitAt(std::size_t i) const { return scale.empty() ? unit : unit * scale[i]; }
 };
 
 }  // namespace dapple
