@@ -79,13 +79,11 @@ void rotate(std::vector<TangentFrame>& frames, double degrees) {
   }
 }
 
-std::vector<TangentFrame> framesOf(const PointSet& points, const Neighborhoods& neighborhoods,
-                                   const Region& region, std::span<const Stroke> strokes,
-                                   Monitor& monitor) {
-  std::vector<TangentFrame> frames =
-      std::move(directionsOf(points, neighborhoods, strokes, region.options, monitor).frames);
-  rotate(frames, region.rotation);
-  return frames;
+OrientationField fieldOf(const PointSet& points, const Neighborhoods& neighborhoods,
+                         const Region& region, std::span<const Stroke> strokes, Monitor& monitor) {
+  OrientationField field = directionsOf(points, neighborhoods, strokes, region.options, monitor);
+  rotate(field.frames, region.rotation);
+  return field;
 }
 
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
@@ -139,6 +137,7 @@ struct OpenColumns {
     open(old.source, source, n, kNoSource);
     open(old.texel, texel, n, vec2(0));
     open(old.frame, frame, n, TangentFrame{});
+    if (old.scale) scale = *old.scale;
     open(old.state, state, n, PointState::Free);
     open(old.patch, patch, n, kNone);
     open(old.error, error, n, 0.f);
@@ -149,17 +148,32 @@ struct OpenColumns {
     touched.assign(n, false);
   }
 
+  // Back to what a point has that nothing is synthesized for.
+  void clear(std::size_t i, vec3 own) {
+    touched[i] = true;
+    source[i] = kNoSource;
+    texel[i] = vec2(0);
+    frame[i] = {};
+    if (!scale.empty()) scale[i] = 1;
+    colour[i] = own;
+    state[i] = PointState::Free;
+    patch[i] = order[i] = kNone;
+    error[i] = 0;
+  }
+
   void scatter(const RegionResult& result) {
     const SourceMap& map = result.map;
     const std::size_t count = result.points.empty() ? map.colour.size() : result.points.size();
     const auto id = static_cast<std::uint16_t>(sources.size());
     sources.push_back(result.source);
+    if (!map.scale.empty() && scale.empty()) scale.assign(source.size(), 1);
     for (std::size_t r = 0; r < count; ++r) {
       const std::size_t i = result.points.empty() ? r : result.points[r];
       touched[i] = true;
       source[i] = id;
       texel[i] = map.texel[r];
       frame[i] = map.frame[r];
+      if (!scale.empty()) scale[i] = map.scale.empty() ? 1 : map.scale[r];
       colour[i] = map.colour[r];
       state[i] = map.state[r];
       patch[i] = map.patch[r];
@@ -173,6 +187,8 @@ struct OpenColumns {
     out.source = shared(std::move(source));
     out.texel = shared(std::move(texel));
     out.frame = shared(std::move(frame));
+    const auto scaled = [](float s) { return s != 1; };
+    if (std::any_of(scale.begin(), scale.end(), scaled)) out.scale = shared(std::move(scale));
     out.colour = shared(std::move(colour));
     out.state = shared(std::move(state));
     out.patch = shared(std::move(patch));
@@ -187,6 +203,7 @@ struct OpenColumns {
   std::vector<std::uint16_t> source;
   std::vector<vec2> texel;
   std::vector<TangentFrame> frame;
+  std::vector<float> scale;  // empty: 1 everywhere
   std::vector<vec3> colour;
   std::vector<PointState> state;
   std::vector<Index> patch, order;
@@ -254,14 +271,14 @@ RegionResult synthesizeRegion(const Document& document, const Region& region,
   const Neighborhoods& neighborhoods = scans ? prepared.neighborhoods : fewer;
   const std::vector<Stroke> strokes = strokesWithin(region.strokes, out.points);
   const std::vector<Index> starts = startsOf(strokes);
-  const std::vector<TangentFrame> frames =
-      framesOf(points, neighborhoods, region, strokes, monitor);
+  const OrientationField field = fieldOf(points, neighborhoods, region, strokes, monitor);
   const auto source = sourceOf(region, prepared.spacing * static_cast<float>(options.scale));
   SynthesisResult result = synthesize({.points = points,
                                        .neighborhoods = neighborhoods,
                                        .swatch = *region.swatch,
-                                       .frames = frames,
+                                       .frames = field.frames,
                                        .unit = source->unit,
+                                       .scale = field.scale,
                                        .starts = starts},
                                       options, monitor);
   source->statistics = result.statistics;
@@ -317,16 +334,7 @@ Document withoutResults(const Document& document, std::optional<RegionId> region
   OpenColumns columns(document);
   const std::vector<Index> points = pointsOf(document, *region);
   const std::vector<vec3>& own = document.points().colours;
-  for (const Index i : points) {
-    columns.touched[i] = true;
-    columns.source[i] = kNoSource;
-    columns.texel[i] = vec2(0);
-    columns.frame[i] = {};
-    columns.colour[i] = own.empty() ? kBare : own[i];
-    columns.state[i] = PointState::Free;
-    columns.patch[i] = columns.order[i] = kNone;
-    columns.error[i] = 0;
-  }
+  for (const Index i : points) columns.clear(i, own.empty() ? kBare : own[i]);
   out.results = columns.close();
   out.results = withoutLostTerms(out);
   return out;

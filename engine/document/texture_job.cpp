@@ -102,19 +102,20 @@ TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
   Stopwatch watch;
   const PointSet& points = prepared.scan.points;
   TexturedPoints out;
-  out.frames =
-      std::move(directionsOf(points, prepared.neighborhoods, strokes, options, monitor).frames);
+  OrientationField field = directionsOf(points, prepared.neighborhoods, strokes, options, monitor);
   const float unit = prepared.spacing * static_cast<float>(options.scale);
   const std::vector<Index> starts = startsOf(strokes);
   const SynthesisInput input{.points = points,
                              .neighborhoods = prepared.neighborhoods,
                              .swatch = swatch,
-                             .frames = out.frames,
+                             .frames = field.frames,
                              .unit = unit,
+                             .scale = field.scale,
                              .starts = starts};
   SynthesisResult result = synthesize(input, options, monitor);
   out.map = std::move(result.map);
   out.statistics = result.statistics;
+  out.frames = std::move(field.frames);
   out.seconds = watch.lap();
   return out;
 }
@@ -139,7 +140,8 @@ TextureScore scorePoints(const PreparedScan& prepared, const ScoreRequest& reque
                        .swatch = request.swatch,
                        .unit = request.unit,
                        .map = request.map,
-                       .directions = request.frames ? &directions : nullptr},
+                       .directions = request.frames ? &directions : nullptr,
+                       .scale = request.scale},
                       {}, monitor);
 }
 

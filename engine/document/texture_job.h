@@ -60,6 +60,7 @@ struct ScoreRequest {
   float unit = 0;  // local units per swatch pixel
   const SourceMap* map = nullptr;
   const std::vector<TangentFrame>* frames = nullptr;  // directions for the oriented figures
+  std::span<const float> scale = {};                  // n, times the unit; empty: 1 everywhere
 };
 // The measure of a result (methods: section 8). Throws InvalidInput, Cancelled.
 TextureScore scorePoints(const PreparedScan& prepared, const ScoreRequest& request,

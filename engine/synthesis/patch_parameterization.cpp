@@ -106,10 +106,11 @@ class PatchRoom {
 };
 
 // Every point as a chart sees it, on no patch yet, at its smoothed or own position.
-std::vector<ChartSite> chartSites(const PointSet& points, const std::vector<vec3>& positions) {
-  std::vector<ChartSite> sites(points.size());
+std::vector<ChartSite> chartSites(const SynthesisInput& input, const std::vector<vec3>& positions) {
+  std::vector<ChartSite> sites(input.points.size());
   for (std::size_t i = 0; i < sites.size(); ++i)
-    sites[i].position = positions[i], sites[i].normal = points.normals[i];
+    sites[i].position = positions[i], sites[i].normal = input.points.normals[i],
+    sites[i].scale = input.scaleAt(i);
   return sites;
 }
 
@@ -121,11 +122,10 @@ class Grower {
         map_(map),
         monitor_(monitor),
         reverse_(reverseNeighborhoods(input.neighborhoods, monitor)),
-        sites_(chartSites(input.points,
-                          input.chart ? *input.chart
-                          : options.smooth
-                              ? smoothedPositions(input.points, input.neighborhoods, monitor)
-                              : input.points.positions)),
+        sites_(chartSites(input, input.chart ? *input.chart
+                                 : options.smooth
+                                     ? smoothedPositions(input.points, input.neighborhoods, monitor)
+                                     : input.points.positions)),
         room_(input.swatch, options.sizeLimit),
         fit_(input.neighborhoods.k, input.unit) {
     const std::size_t n = input.points.size();
@@ -297,7 +297,7 @@ class GapBlender {
       : input_(input),
         map_(map),
         monitor_(monitor),
-        sites_(chartSites(input.points, input.points.positions)),
+        sites_(chartSites(input, input.points.positions)),
         fit_(input.neighborhoods.k, input.unit) {
     for (std::size_t i = 0; i < sites_.size(); ++i)
       if (map.state[i] == PointState::Patch)

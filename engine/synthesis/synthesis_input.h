@@ -24,8 +24,8 @@ struct SynthesisInput {
   // Where synthesis begins (grid only); empty: by the seed.
   std::span<const Index> starts = {};
 
-  // Local units per swatch pixel at point i.
-  float unitAt(std::size_t i) const { return scale.empty() ? unit : unit * scale[i]; }
+  float scaleAt(std::size_t i) const { return scale.empty() ? 1 : scale[i]; }
+  float unitAt(std::size_t i) const { return unit * scaleAt(i); }
 };
 
 }  // namespace dapple
