@@ -227,7 +227,7 @@ struct Engine::Core {
     if (touched.empty()) return start(BlendBorders{}, job, true);
     const RegionId region = *touched.begin();
     if (canSynthesize(history.document(), region))
-      start(Synthesize{region}, job, true);
+      start(Synthesize{.region = region, .onlyChanged = true}, job, true);
     else
       touched.erase(region);
   }

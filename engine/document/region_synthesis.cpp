@@ -6,6 +6,7 @@
 
 #include "base/errors.h"
 #include "document/border_blend.h"
+#include "document/changed_points.h"
 #include "document/options_table.h"
 
 namespace dapple {
@@ -243,55 +244,119 @@ struct OpenColumns {
   }
 };
 
+// One region's turn among those of a command.
+struct Turn {
+  std::size_t before = 0, total = 0;  // points
+  bool onlyChanged = false;
+};
+
+class RegionSynthesis {
+ public:
+  RegionSynthesis(const Document& document, const Region& region, const Turn& turn,
+                  const SynthesisWatch& watch, Monitor& monitor)
+      : document_(document),
+        region_(region),
+        turn_(turn),
+        watch_(watch),
+        monitor_(monitor),
+        options_(region.options),
+        ids_(pointsOf(document, region.id)) {
+    checkReady(region, ids_.size());
+    validate(options_);
+    takePoints();
+    strokes_ = strokesWithin(region.strokes, whole() ? std::span<const Index>() : ids_);
+    starts_ = startsOf(strokes_);
+  }
+
+  RegionResult run() {
+    const OrientationField field = fieldOf(*points_, *neighborhoods_, region_, strokes_, monitor_);
+    const auto source =
+        sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options_.scale));
+    const RegionTarget target{region_, ids_, *points_, *neighborhoods_, field, source->unit};
+    std::optional<RegionPart> part;
+    if (turn_.onlyChanged && ids_.size() >= kFewestPoints)
+      part = changedPart(document_, target, monitor_);
+    SynthesisResult result = part ? changed(target, *part) : all(target);
+    RegionResult out;
+    if (!whole()) out.points = std::move(ids_);
+    source->statistics = result.statistics;
+    noteBlends(result.map, out.points, *source);
+    out.map = std::move(result.map);
+    out.source = source;
+    return out;
+  }
+
+ private:
+  bool whole() const { return ids_.size() == document_.size(); }
+
+  void takePoints() {
+    const PreparedScan& prepared = document_.scan->prepared;
+    const std::size_t m = ids_.size();
+    const std::size_t k = std::min(static_cast<std::size_t>(options_.neighbours), m - 1);
+    if (!whole()) own_ = takenOut(document_.points(), ids_);
+    points_ = whole() ? &document_.points() : &own_;
+    if (m < kFewestPoints)
+      options_.method = Method::Triplanar;
+    else if (whole() && k < prepared.neighborhoods.k)
+      near_ = nearest(prepared.neighborhoods, k);
+    else if (!whole() || k > prepared.neighborhoods.k)
+      near_ = buildNeighborhoods(points_->positions, k, monitor_);
+    const bool scans = whole() && k == prepared.neighborhoods.k;
+    neighborhoods_ = scans ? &prepared.neighborhoods : &near_;
+  }
+
+  SynthesisResult all(const RegionTarget& target) {
+    SynthesisResult result = synthesize({.points = *points_,
+                                         .neighborhoods = *neighborhoods_,
+                                         .swatch = *region_.swatch,
+                                         .frames = target.field.frames,
+                                         .unit = target.unit,
+                                         .scale = target.field.scale,
+                                         .starts = starts_},
+                                        options_, monitor_);
+    if (watch_.ends) watch_.ends(result.map);
+    return result;
+  }
+
+  // What has changed, as points of their own beside those that are kept.
+  SynthesisResult changed(const RegionTarget& target, const RegionPart& part) {
+    if (part.points.empty()) return withPart(document_, target, part, {});
+    if (watch_.begins) watch_.begins(gathered(ids_, part.points), turn_.before, turn_.total);
+    const PointSet points = takenOut(*points_, part.points);
+    const Neighborhoods near = buildNeighborhoods(points.positions, neighborhoods_->k, monitor_);
+    const std::vector<TangentFrame> frames = gathered(target.field.frames, part.points);
+    const SynthesisResult made = synthesize({.points = points,
+                                             .neighborhoods = near,
+                                             .swatch = *region_.swatch,
+                                             .frames = frames,
+                                             .unit = target.unit,
+                                             .scale = part.map.scale,
+                                             .kept = &part.map},
+                                            options_, monitor_);
+    if (watch_.ends) watch_.ends(made.map);
+    return withPart(document_, target, part, made.map);
+  }
+
+  const Document& document_;
+  const Region& region_;
+  const Turn turn_;
+  const SynthesisWatch& watch_;
+  Monitor& monitor_;
+  TextureOptions options_;
+  std::vector<Index> ids_;  // ascending
+  PointSet own_;            // unless the region is all of the scan
+  Neighborhoods near_;      // unless the scan's will do
+  const PointSet* points_ = nullptr;
+  const Neighborhoods* neighborhoods_ = nullptr;
+  std::vector<Stroke> strokes_;
+  std::vector<Index> starts_;
+};
+
 }  // namespace
 
-RegionResult synthesizeRegion(const Document& document, const Region& region,
-                              const SynthesisWatch& watch, Monitor& monitor) {
-  const PreparedScan& prepared = document.scan->prepared;
-  RegionResult out;
-  out.points = pointsOf(document, region.id);
-  const std::size_t m = out.points.size();
-  checkReady(region, m);
-  TextureOptions options = region.options;
-  validate(options);
-  const std::size_t k = std::min(static_cast<std::size_t>(options.neighbours), m - 1);
-  const bool whole = m == document.size();
-  if (whole) out.points.clear();
-  PointSet own;
-  if (!whole) own = takenOut(document.points(), out.points);
-  const PointSet& points = whole ? document.points() : own;
-  Neighborhoods fewer;
-  if (m < kFewestPoints)
-    options.method = Method::Triplanar;
-  else if (whole && k < prepared.neighborhoods.k)
-    fewer = nearest(prepared.neighborhoods, k);
-  else if (!whole || k > prepared.neighborhoods.k)
-    fewer = buildNeighborhoods(points.positions, k, monitor);
-  const bool scans = whole && k == prepared.neighborhoods.k;
-  const Neighborhoods& neighborhoods = scans ? prepared.neighborhoods : fewer;
-  const std::vector<Stroke> strokes = strokesWithin(region.strokes, out.points);
-  const std::vector<Index> starts = startsOf(strokes);
-  const OrientationField field = fieldOf(points, neighborhoods, region, strokes, monitor);
-  const auto source = sourceOf(region, prepared.spacing * static_cast<float>(options.scale));
-  SynthesisResult result = synthesize({.points = points,
-                                       .neighborhoods = neighborhoods,
-                                       .swatch = *region.swatch,
-                                       .frames = field.frames,
-                                       .unit = source->unit,
-                                       .scale = field.scale,
-                                       .starts = starts},
-                                      options, monitor);
-  source->statistics = result.statistics;
-  noteBlends(result.map, out.points, *source);
-  out.map = std::move(result.map);
-  out.source = source;
-  if (watch.ends) watch.ends(out.map);
-  return out;
-}
-
-std::vector<RegionResult> synthesizeRegions(const Document& document,
-                                            const std::vector<RegionId>& regions,
+std::vector<RegionResult> synthesizeRegions(const Document& document, const RegionsAsked& asked,
                                             const SynthesisWatch& watch, Monitor& monitor) {
+  const std::vector<RegionId>& regions = asked.regions;
   std::vector<std::vector<Index>> points;
   std::size_t total = 0, before = 0;
   for (const RegionId id : regions) {
@@ -303,9 +368,10 @@ std::vector<RegionResult> synthesizeRegions(const Document& document,
     const Region& region = *findRegion(document, regions[r]);
     checkReady(region, points[r].size());
     if (watch.begins) watch.begins(points[r], before, total);
+    const Turn turn{before, total, asked.onlyChanged};
     before += points[r].size();
     try {
-      results.push_back(synthesizeRegion(document, region, watch, monitor));
+      results.push_back(RegionSynthesis(document, region, turn, watch, monitor).run());
     } catch (const Cancelled&) {
       if (!watch.keepsDone || !watch.keepsDone()) throw;
       RegionResult partial = partialResult(document, region, points[r], watch.shown());

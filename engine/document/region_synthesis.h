@@ -15,15 +15,16 @@ struct RegionResult {
   std::shared_ptr<const ResultSource> source;
 };
 
-// A region of fewer than 9 points is projected along the axes: there is nothing to match. Throws
-// InvalidInput when the region is locked, has no points or no swatch; Cancelled.
-RegionResult synthesizeRegion(const Document& document, const Region& region,
-                              const SynthesisWatch& watch, Monitor& monitor);
+struct RegionsAsked {
+  const std::vector<RegionId>& regions;
+  bool onlyChanged = false;  // Synthesize::onlyChanged
+};
 
-// Regions one after another. When the monitor is stopped and `watch` keeps what is done, what has
-// been shown until then is the last result, and partial.
-std::vector<RegionResult> synthesizeRegions(const Document& document,
-                                            const std::vector<RegionId>& regions,
+// Regions one after another. A region of fewer than 9 points is projected along the axes: there is
+// nothing to match. When the monitor is stopped and `watch` keeps what is done, what has
+// been shown until then is the last result, and partial. Throws InvalidInput when a region is
+// locked, has no points or no swatch; Cancelled.
+std::vector<RegionResult> synthesizeRegions(const Document& document, const RegionsAsked& asked,
                                             const SynthesisWatch& watch, Monitor& monitor);
 
 // The document with these results in place of what their points had.

@@ -142,6 +142,8 @@ class OverlapGrower {
       const float reach = reach_[c] + pixelsTo(i, j);
       if (!(reach <= overlap_)) return;
       if (!sameSide(i, j)) continue;
+      // Where kept patches meet they stay cut as they are.
+      if (from.patch < input_.keptPatches() && input_.isKept(j)) continue;
       const vec2 q = carriedPlace(from, sites_[j], input_.unit);
       if (!has(j, from.patch, q)) steps.push_back({j, from.patch, q, reach});
     }

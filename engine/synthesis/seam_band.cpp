@@ -116,10 +116,14 @@ class BandMatcher {
            input_.unitAt(from);
   }
 
+  // As it was before: the seams between such points have been mended.
+  bool isKept(Index i) const { return input_.isKept(i) && map_.patch[i] < input_.keptPatches(); }
+
   bool atSeam(Index i) const {
     const auto near = input_.neighborhoods.of(i);
     for (std::size_t s = 0; s < near_; ++s) {
       const Index j = near[s];
+      if (isKept(i) && isKept(j)) continue;
       const float within = kCoherentPixels + pixelsTo(i, j);
       const vec2 step = map_.domain[j] - map_.domain[i];
       const bool goesOn = map_.patch[j] == map_.patch[i] && glm::dot(step, step) <= within * within;
