@@ -220,19 +220,28 @@ SynthesisStatistics statisticsOf(const SourceMap& map) {
   return statistics;
 }
 
+struct MadePart {
+  const RegionPart& part;
+  const SourceMap& map;         // of the part's points
+  std::vector<Index> numberOf;  // by its patches: in the result
+
+  bool isFresh(std::size_t p) const { return part.map.state[p] == PointState::Free; }
+};
+
 // A point's blend terms, from the part or from the result that there is.
-void addBlends(const Document& document, const RegionTarget& target, const RegionPart& part,
-               const SourceMap& made, const std::vector<Index>& numberOf, SourceMap& map) {
-  const Results& results = document.results;
+void addBlends(const Results& results, const RegionTarget& target, const MadePart& from,
+               SourceMap& map) {
+  const RegionPart& part = from.part;
+  const SourceMap& made = from.map;
   map.blendOffset.assign(1, 0);
   std::size_t p = 0;
   for (std::size_t r = 0; r < target.ids.size(); ++r) {
     const bool inPart = p < part.points.size() && part.points[p] == r;
-    const bool fresh = inPart && part.map.state[p] == PointState::Free;
+    const bool fresh = inPart && from.isFresh(p);
     if (fresh && !made.blendOffset.empty()) {
       for (Index b = made.blendOffset[p]; b < made.blendOffset[p + 1]; ++b) {
         map.blend.push_back(made.blend[b]);
-        map.blend.back().patch = numberOf[made.blend[b].patch];
+        map.blend.back().patch = from.numberOf[made.blend[b].patch];
       }
     } else if (!fresh && (!inPart || made.texel[p] == part.map.texel[p])) {
       const std::uint16_t s = (*results.source)[target.ids[r]];
@@ -272,18 +281,18 @@ SynthesisResult withPart(const Document& document, const RegionTarget& target,
   Index next = 0;
   for (const Index patch : map.patch)
     if (patch != kNone) next = std::max(next, patch + 1);
-  std::vector<Index> numberOf(part.patchOf);
-  while (numberOf.size() < made.placement.size()) numberOf.push_back(next++);
-  addBlends(document, target, part, made, numberOf, map);
+  MadePart from{part, made, part.patchOf};
+  while (from.numberOf.size() < made.placement.size()) from.numberOf.push_back(next++);
+  addBlends(document.results, target, from, map);
   for (std::size_t p = 0; p < part.points.size(); ++p) {
-    const bool fresh = part.map.state[p] == PointState::Free;
+    const bool fresh = from.isFresh(p);
     if (!fresh && made.texel[p] == part.map.texel[p]) continue;
     const Index r = part.points[p];
     map.texel[r] = made.texel[p];
     map.frame[r] = made.frame[p];
     map.colour[r] = made.colour[p];
     if (fresh) map.state[r] = made.state[p];
-    map.patch[r] = made.patch[p] == kNone ? kNone : numberOf[made.patch[p]];
+    map.patch[r] = made.patch[p] == kNone ? kNone : from.numberOf[made.patch[p]];
     map.error[r] = made.error[p];
     map.order[r] = made.order[p];
   }
