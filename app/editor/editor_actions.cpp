@@ -335,6 +335,23 @@ void Editor::addStrokeActions() {
                   std::reverse(turned.points.begin(), turned.points.end());
                   engine_.submit(SetStroke{stroke_->region, stroke_->index, turned});
                 }});
+  actions_.add({.id = "stroke.reset-scale",
+                .label = "Reset stroke's scale",
+                .menu = "Region",
+                .help = "The swatch is as large along it as the region has it.",
+                .icon = Icon::reset,
+                .enabled =
+                    [this] {
+                      const Stroke* stroke =
+                          stroke_ ? findStroke(snapshot_->document, *stroke_) : nullptr;
+                      return stroke && stroke->scale;
+                    },
+                .run =
+                    [this] {
+                      Stroke reset = *findStroke(snapshot_->document, *stroke_);
+                      reset.scale.reset();
+                      engine_.submit(SetStroke{stroke_->region, stroke_->index, reset});
+                    }});
   actions_.add({.id = "stroke.remove",
                 .label = "Remove stroke",
                 .menu = "Region",

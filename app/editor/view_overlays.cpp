@@ -1,6 +1,11 @@
 #include "app/editor/view_overlays.h"
 
+#include <fmt/format.h>
+
 #include "app/gui/gui_context.h"
+#include "app/gui/item_marks.h"
+#include "app/gui/scopes.h"
+#include "app/gui/theme.h"
 
 namespace dapple {
 namespace {
@@ -26,6 +31,18 @@ void drawLine(const OverlayLine& line, ImVec2 min, std::vector<ImVec2>& points) 
                                           ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, c.a}),
                                           line.closed ? ImDrawFlags_Closed : ImDrawFlags_None,
                                           line.width);
+}
+
+// A dark card beside its place, to be read on anything.
+void drawLabel(const OverlayLabel& label, ImVec2 min, const std::string& mark) {
+  const float pad = theme::px(3);
+  const ImVec2 at(min.x + label.place.x + theme::px(10), min.y + label.place.y + theme::px(6));
+  const ImVec2 size = ImGui::CalcTextSize(label.text.c_str());
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const ImVec2 low(at.x - pad, at.y), high(at.x + size.x + pad, at.y + size.y);
+  list.AddRectFilled(low, high, theme::packed(theme::withAlpha(theme::kPanel, 0.85f)), pad);
+  list.AddText(at, theme::packed(theme::kText), label.text.c_str());
+  markRectangle(mark, low, high);
 }
 
 }  // namespace
@@ -62,6 +79,11 @@ void ViewOverlays::draw(const SceneView& view, const ViewSettings& settings, con
   add(lines, extra.hand);
   std::vector<ImVec2> points;
   for (const OverlayLine& line : lines) drawLine(line, min, points);
+  if (!settings.strokes) return;
+  const scope::Font font(GuiContext::current().fonts().small);
+  const std::vector<OverlayLabel> labels = strokeLabels(over, view.snapshot().document);
+  for (std::size_t k = 0; k < labels.size(); ++k)
+    drawLabel(labels[k], min, fmt::format("stroke.label.{}", k));
 }
 
 }  // namespace dapple
