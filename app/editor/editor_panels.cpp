@@ -97,7 +97,11 @@ void Editor::toolOptions(const Layout& layout) {
   if (tools_.tool == Tool::Wand) wandOptions();
   if (tools_.tool != Tool::Wand && tools_.tool != Tool::Stroke)
     toggle("Through", tools_.through, "tool.through-toggle");
-  if (tools_.tool == Tool::Stroke) strokeOptions();
+  if (tools_.tool == Tool::Stroke) {
+    strokeOptions();
+    toggle("Show directions", tools_.field, "stroke.field");
+  }
+  if (!overlays_.note().empty()) mutedText(overlays_.note());
 }
 
 void Editor::wandOptions() {

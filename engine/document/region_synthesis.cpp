@@ -79,15 +79,6 @@ void rotate(std::vector<TangentFrame>& frames, double degrees) {
   }
 }
 
-std::vector<TangentFrame> framesOf(const PointSet& points, const Neighborhoods& neighborhoods,
-                                   const Region& region, std::span<const Stroke> strokes,
-                                   Monitor& monitor) {
-  std::vector<TangentFrame> frames =
-      std::move(directionsOf(points, neighborhoods, strokes, region.options, monitor).frames);
-  rotate(frames, region.rotation);
-  return frames;
-}
-
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
   auto source = std::make_shared<ResultSource>();
   source->region = region.id;
@@ -228,43 +219,57 @@ struct OpenColumns {
 
 }  // namespace
 
+RegionPoints::RegionPoints(const Document& document, const Region& region, Monitor& monitor)
+    : scan_(document.scan), ids_(pointsOf(document, region.id)), count_(ids_.size()) {
+  if (count_ == 0) return;
+  const Neighborhoods& scans = scan_->prepared.neighborhoods;
+  const std::size_t k = std::min(static_cast<std::size_t>(region.options.neighbours), count_ - 1);
+  whole_ = count_ == document.size();
+  if (whole_)
+    ids_.clear();
+  else
+    points_ = takenOut(document.points(), ids_);
+  scansLinks_ = whole_ && k == scans.k;
+  if (scansLinks_ || count_ < kFewestPoints) return;
+  links_ = whole_ && k < scans.k ? nearest(scans, k)
+                                 : buildNeighborhoods(points().positions, k, monitor);
+}
+
+std::vector<Stroke> RegionPoints::strokes(const Region& region) const {
+  return strokesWithin(region.strokes, ids_);
+}
+
+std::vector<TangentFrame> framesOf(const RegionPoints& part, const Region& region,
+                                   std::span<const Stroke> strokes, Monitor& monitor) {
+  std::vector<TangentFrame> frames = std::move(
+      directionsOf(part.points(), part.neighborhoods(), strokes, region.options, monitor).frames);
+  rotate(frames, region.rotation);
+  return frames;
+}
+
 RegionResult synthesizeRegion(const Document& document, const Region& region,
                               const SynthesisWatch& watch, Monitor& monitor) {
-  const PreparedScan& prepared = document.scan->prepared;
-  RegionResult out;
-  out.points = pointsOf(document, region.id);
-  const std::size_t m = out.points.size();
-  checkReady(region, m);
+  const Column<RegionId>& labels = document.labels;
+  checkReady(region,
+             static_cast<std::size_t>(std::count(labels->begin(), labels->end(), region.id)));
   TextureOptions options = region.options;
   validate(options);
-  const std::size_t k = std::min(static_cast<std::size_t>(options.neighbours), m - 1);
-  const bool whole = m == document.size();
-  if (whole) out.points.clear();
-  PointSet own;
-  if (!whole) own = takenOut(document.points(), out.points);
-  const PointSet& points = whole ? document.points() : own;
-  Neighborhoods fewer;
-  if (m < kFewestPoints)
-    options.method = Method::Triplanar;
-  else if (whole && k < prepared.neighborhoods.k)
-    fewer = nearest(prepared.neighborhoods, k);
-  else if (!whole || k > prepared.neighborhoods.k)
-    fewer = buildNeighborhoods(points.positions, k, monitor);
-  const bool scans = whole && k == prepared.neighborhoods.k;
-  const Neighborhoods& neighborhoods = scans ? prepared.neighborhoods : fewer;
-  const std::vector<Stroke> strokes = strokesWithin(region.strokes, out.points);
+  const RegionPoints part(document, region, monitor);
+  if (part.size() < kFewestPoints) options.method = Method::Triplanar;
+  const std::vector<Stroke> strokes = part.strokes(region);
   const std::vector<Index> starts = startsOf(strokes);
-  const std::vector<TangentFrame> frames =
-      framesOf(points, neighborhoods, region, strokes, monitor);
-  const auto source = sourceOf(region, prepared.spacing * static_cast<float>(options.scale));
-  SynthesisResult result = synthesize({.points = points,
-                                       .neighborhoods = neighborhoods,
+  const std::vector<TangentFrame> frames = framesOf(part, region, strokes, monitor);
+  const float spacing = document.scan->prepared.spacing;
+  const auto source = sourceOf(region, spacing * static_cast<float>(options.scale));
+  SynthesisResult result = synthesize({.points = part.points(),
+                                       .neighborhoods = part.neighborhoods(),
                                        .swatch = *region.swatch,
                                        .frames = frames,
                                        .unit = source->unit,
                                        .starts = starts},
                                       options, monitor);
   source->statistics = result.statistics;
+  RegionResult out{.points = part.ids()};
   noteBlends(result.map, out.points, *source);
   out.map = std::move(result.map);
   out.source = source;

@@ -9,6 +9,37 @@
 
 namespace dapple {
 
+// A region's points with what a synthesis, or the field that it follows, needs of them.
+class RegionPoints {
+ public:
+  // Throws Cancelled.
+  RegionPoints(const Document& document, const Region& region, Monitor& monitor);
+
+  std::size_t size() const { return count_; }
+  const std::vector<Index>& ids() const { return ids_; }  // ascending; empty: all of the scan
+  Index idOf(Index point) const { return whole_ ? point : ids_[point]; }  // in the scan
+  const PointSet& points() const { return whole_ ? scan_->prepared.scan.points : points_; }
+  // By the region's options; of fewer than 9 points there may be none (k = 0).
+  const Neighborhoods& neighborhoods() const {
+    return scansLinks_ ? scan_->prepared.neighborhoods : links_;
+  }
+  // The region's over these points: what runs outside is cut off.
+  std::vector<Stroke> strokes(const Region& region) const;
+
+ private:
+  std::shared_ptr<const OpenedScan> scan_;
+  std::vector<Index> ids_;
+  std::size_t count_ = 0;
+  bool whole_ = false, scansLinks_ = false;
+  PointSet points_;      // unless whole
+  Neighborhoods links_;  // unless the scan's
+};
+
+// The directions that the region's synthesis follows, with its rotation; a frame for each point.
+// Throws InvalidInput, Cancelled.
+std::vector<TangentFrame> framesOf(const RegionPoints& part, const Region& region,
+                                   std::span<const Stroke> strokes, Monitor& monitor);
+
 struct RegionResult {
   std::vector<Index> points;  // ascending; empty: all of the scan
   SourceMap map;              // of these points
