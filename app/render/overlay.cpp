@@ -30,7 +30,8 @@ constexpr float kDash = 5, kGap = 4;
 constexpr float kFaint = 0.45f;  // opacity of what is hidden
 const vec3 kArrowColour{0.98f, 0.98f, 0.96f};
 constexpr float kMarkWidth = 2, kMarkStep = 3.5f;  // of a mark's outlines, from one to the next
-constexpr float kSign = 0.48f;                        // half its length, of the mark's radius
+constexpr float kSign = 0.48f;                     // half its length, of the mark's radius
+constexpr float kDiamond = 1.2f;  // half its diagonal: it looks as large as the ring
 constexpr int kMostOutlines = 3, kRingSides = 24;
 // Apart for the colour-blind, too, and on light and dark.
 const vec3 kPositive{1.0f, 0.47f, 0.66f}, kNegative{0.40f, 0.80f, 1.0f};
@@ -217,7 +218,7 @@ void addMark(vec2 at, int index, float scale, OverlayLines& grounds, OverlayLine
   const bool positive = index > 0;
   const int sides = positive ? kRingSides : 4, outlines = std::min(std::abs(index), kMostOutlines);
   const OverlayLine style{{}, glm::vec4(positive ? kPositive : kNegative, 1), kMarkWidth * scale};
-  const float radius = kMarkRadius * scale;
+  const float radius = (positive ? 1 : kDiamond) * kMarkRadius * scale;
   // As wide as it is far from the centre: that fills it.
   grounds.push_back(polygonAround(at, 0.5f * radius, sides, {{}, kMarkGround, radius}));
   for (int k = 0; k < outlines; ++k)
