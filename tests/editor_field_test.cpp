@@ -65,6 +65,17 @@ std::size_t pixelsLike(const Image& picture, const vec3& colour) {
   return count;
 }
 
+// Of the one that is nearest to the eye.
+ImVec2 placeOnScreen(Desk& desk, const std::vector<FieldSingularity>& singularities) {
+  const SceneView& view = desk.editor.view();
+  const PixelView pixels(view.pictureCamera(), view.picture().width, view.picture().height);
+  vec3 nearest(0, 0, 1e9f);
+  for (const FieldSingularity& s : singularities)
+    if (const vec3 at = pixels.project(s.position); at.z < nearest.z) nearest = at;
+  const ItemMark* const mark = desk.gui.gui().marks().find("view");
+  return {mark->min.x + nearest.x, mark->min.y + nearest.y};
+}
+
 }  // namespace
 
 TEST_CASE("the field of the strokes is found without a synthesis") {
@@ -131,6 +142,23 @@ TEST_CASE("each region has a field of its own, and one that is as it was is not 
     CHECK(findRegion(document, s.region));
 }
 
+TEST_CASE("singularities of symmetric fields count in parts of a turn, random fields have none") {
+  const TestFolder folder;
+  Document document = sphereDocument(folder, kPoints);
+  FieldFinder finder({});
+  SetRegion set{.region = kUnassigned, .options = TextureOptions{}};
+  set.options->symmetry = FieldSymmetry::Quarter;
+  document = applied(withMeridian(document), set);
+  find(finder, document);
+  CHECK(finder.field()->singularities.size() == 8);
+  for (const FieldSingularity& s : finder.field()->singularities) CHECK(s.folds == 4);
+  CHECK(sumOf(*finder.field()) == 2);
+  set.options->field = FieldMethod::Random;
+  find(finder, applied(document, set));
+  CHECK(finder.field()->singularities.empty());
+  CHECK(glm::length(finder.field()->up.front()) > 0.999f);
+}
+
 TEST_CASE("what changes while a field is found is followed, and a closed scan is let go") {
   const TestFolder folder;
   Document sphere = sphereDocument(folder, kPoints);
@@ -166,6 +194,13 @@ TEST_CASE("singularities are shown while strokes are drawn, and move with a stro
   CHECK(overlays.note() == "2 singularities, their indices sum to 2");
   CHECK(pixelsLike(desk.save("singularities"), kPositive) > 30);
   const auto upright = placesOf(*overlays.field());
+  const ImVec2 pole = placeOnScreen(desk, overlays.field()->singularities);
+  desk.gui.moveMouse(pole);
+  desk.gui.frames(2);
+  CHECK(desk.gui.has("singularity.label"));
+  desk.gui.moveMouse({pole.x + 40, pole.y});
+  desk.gui.frames(2);
+  CHECK_FALSE(desk.gui.has("singularity.label"));
 
   const ImVec2 view = desk.gui.at("view");
   desk.gui.drag(0, {view.x - 120, view.y - 30}, {view.x + 120, view.y - 30});
@@ -187,6 +222,9 @@ TEST_CASE("singularities are shown while strokes are drawn, and move with a stro
   desk.gui.key(letterKey('B'));
   waitForField(desk);
   CHECK(overlays.note() == "2 singularities, their indices sum to 2");
+  desk.gui.key(letterKey('H'));  // what is hidden has none
+  desk.rest();
+  CHECK(overlays.note() == "No singularities");
 }
 
 TEST_CASE("frames go on while a field is found") {

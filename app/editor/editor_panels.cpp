@@ -34,6 +34,11 @@ void placeWindow(ImVec2 min, ImVec2 size) {
   ImGui::SetNextWindowSize(size);
 }
 
+// For the slider just drawn, unless it is being dragged: it would hide what is below.
+void hint(std::string_view text) {
+  if (!ImGui::IsMouseDown(0)) tooltip(text);
+}
+
 }  // namespace
 
 void Editor::startScreen(const Layout& layout) {
@@ -145,7 +150,7 @@ void Editor::strokeOptions() {
                          .logarithmic = true,
                          .mark = "stroke.weight"},
                         changed.weight);
-  tooltip("Against other strokes, where they meet");
+  hint("Against other strokes, where they meet");
   float scale = stroke->scale.value_or(1);
   if (slider({.label = "Scale",
               .low = kLeastScale,
@@ -158,7 +163,7 @@ void Editor::strokeOptions() {
     changed.scale = none ? std::nullopt : std::optional(scale);
     differs = differs || changed.scale != stroke->scale;
   }
-  tooltip("How many times larger the swatch is along the stroke");
+  hint("How many times larger the swatch is along the stroke");
   ImGui::SameLine(0, px(theme::kGap));
   actionButton(actions_, "stroke.reset-scale");
   if (differs) engine_.submit(SetStroke{stroke_->region, stroke_->index, changed, gesture_});

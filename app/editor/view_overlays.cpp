@@ -80,7 +80,10 @@ void ViewOverlays::followField(const Document& document, const ViewSettings& set
   shown_ = wanted_ && found && found->scan == document.scan ? found : nullptr;
   note_.clear();
   if (!settings.singularities && !extra.field) return;
-  note_ = finding() || !shown_ ? "Finding the directions..." : noteOf(shownOf(*shown_, document));
+  if (finding())
+    note_ = "Finding the directions...";
+  else if (shown_)
+    note_ = noteOf(shownOf(*shown_, document));
 }
 
 void ViewOverlays::makeResting(const SceneView& view, const ViewSettings& settings,
