@@ -44,10 +44,10 @@ std::vector<std::uint8_t> changedPoints(const Results& results, const RegionTarg
     const float is = target.field.scale.empty() ? 1 : target.field.scale[r];
     return std::max(was / is, is / was) > kRescaled;
   };
-  std::vector<std::uint8_t> changed(target.ids.size());
+  std::vector<std::uint8_t> changed(target.part.size());
   parallelFor(monitor, changed.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) {
-      const Index i = target.ids[r];
+      const Index i = target.part.idOf(static_cast<Index>(r));
       const std::uint16_t s = (*results.source)[i];
       changed[r] = s == kNoSource || !suitable[s] ||
                    turned((*results.frame)[i], target.field.frames[r], folds, cosine) ||
@@ -65,11 +65,11 @@ std::vector<Index> withHalo(const RegionTarget& target, std::span<const std::uin
   for (Index r = 0; r < inside.size(); ++r)
     if (inside[r]) reached.push_back(r);
   std::vector<float> distance(reached.size(), 0);
-  const std::vector<vec3>& positions = target.points.positions;
+  const std::vector<vec3>& positions = target.part.points().positions;
   for (std::size_t d = 0; d < reached.size(); ++d) {
     if (d % kGrain == 0) monitor.checkpoint();
     const Index r = reached[d];
-    for (const Index j : target.neighborhoods.of(r)) {
+    for (const Index j : target.part.neighborhoods().of(r)) {
       const float far = distance[d] + distanceBetween(positions[r], positions[j]) / target.unit;
       if (inside[j] || far > kHalo) continue;
       inside[j] = 1;
@@ -97,7 +97,7 @@ void renumber(RegionPart& part) {
 class Unwrapper {
  public:
   Unwrapper(const RegionTarget& target, RegionPart& part)
-      : target_(target), part_(part), place_(target.ids.size(), kNone) {
+      : target_(target), part_(part), place_(target.part.size(), kNone) {
     for (Index p = 0; p < part.points.size(); ++p) place_[part.points[p]] = p;
   }
 
@@ -113,7 +113,7 @@ class Unwrapper {
       done[start] = 1;
       for (std::size_t o = 0; o < open.size(); ++o) {
         if (o % kGrain == 0) monitor.checkpoint();
-        for (const Index r : target_.neighborhoods.of(part_.points[open[o]])) {
+        for (const Index r : target_.part.neighborhoods().of(part_.points[open[o]])) {
           const Index p = place_[r];
           if (p == kNone || done[p] || map.state[p] == PointState::Free ||
               map.patch[p] != map.patch[open[o]])
@@ -129,7 +129,7 @@ class Unwrapper {
  private:
   ChartSite siteOf(Index p) const {
     ChartSite site;
-    site.position = target_.points.positions[part_.points[p]];
+    site.position = target_.part.points().positions[part_.points[p]];
     site.n = part_.map.frame[p].n, site.t = part_.map.frame[p].t;
     site.q = part_.map.domain[p];
     if (!part_.map.scale.empty()) site.scale = part_.map.scale[p];
@@ -153,7 +153,7 @@ void gatherMap(const Results& results, const RegionTarget& target,
   part.map = emptySourceMap(part.points.size(), target.unit);
   SourceMap& map = part.map;
   for (std::size_t p = 0; p < part.points.size(); ++p) {
-    const Index r = part.points[p], i = target.ids[r];
+    const Index r = part.points[p], i = target.part.idOf(static_cast<Index>(r));
     if (!target.field.scale.empty()) map.scale.push_back(target.field.scale[r]);
     if (changed[r]) {
       map.frame[p] = target.field.frames[r];
@@ -172,11 +172,11 @@ void gatherMap(const Results& results, const RegionTarget& target,
 // The result that there is, without those of the points that changed.
 SourceMap presentMap(const Document& document, const RegionTarget& target) {
   const Results& results = document.results;
-  const std::size_t m = target.ids.size();
+  const std::size_t m = target.part.size();
   SourceMap map = emptySourceMap(m, target.unit);
   map.scale = target.field.scale;
   for (std::size_t r = 0; r < m; ++r) {
-    const Index i = target.ids[r];
+    const Index i = target.part.idOf(static_cast<Index>(r));
     map.texel[r] = (*results.texel)[i];
     map.frame[r] = (*results.frame)[i];
     map.colour[r] = (*results.colour)[i];
@@ -187,12 +187,9 @@ SourceMap presentMap(const Document& document, const RegionTarget& target) {
   }
   // Near a border the colour is a mix, which is made anew.
   if (results.border)
-    for (std::size_t b = 0; b < results.border->points.size(); ++b) {
-      const auto at =
-          std::lower_bound(target.ids.begin(), target.ids.end(), results.border->points[b]);
-      if (at != target.ids.end() && *at == results.border->points[b])
-        map.colour[static_cast<std::size_t>(at - target.ids.begin())] = results.border->own[b];
-    }
+    for (std::size_t r = 0; r < m; ++r)
+      if (const auto b = results.border->find(target.part.idOf(static_cast<Index>(r))))
+        map.colour[r] = results.border->own[*b];
   return map;
 }
 
@@ -235,7 +232,7 @@ void addBlends(const Results& results, const RegionTarget& target, const MadePar
   const SourceMap& made = from.map;
   map.blendOffset.assign(1, 0);
   std::size_t p = 0;
-  for (std::size_t r = 0; r < target.ids.size(); ++r) {
+  for (std::size_t r = 0; r < target.part.size(); ++r) {
     const bool inPart = p < part.points.size() && part.points[p] == r;
     const bool fresh = inPart && from.isFresh(p);
     if (fresh && !made.blendOffset.empty()) {
@@ -244,9 +241,10 @@ void addBlends(const Results& results, const RegionTarget& target, const MadePar
         map.blend.back().patch = from.numberOf[made.blend[b].patch];
       }
     } else if (!fresh && (!inPart || made.texel[p] == part.map.texel[p])) {
-      const std::uint16_t s = (*results.source)[target.ids[r]];
+      const std::uint16_t s = (*results.source)[target.part.idOf(static_cast<Index>(r))];
       if (s != kNoSource)
-        for (const BlendTerm& term : results.sources[s]->termsAt(target.ids[r]))
+        for (const BlendTerm& term :
+             results.sources[s]->termsAt(target.part.idOf(static_cast<Index>(r))))
           map.blend.push_back(term);
     }
     p += inPart ? 1 : 0;
@@ -266,8 +264,9 @@ std::optional<RegionPart> changedPart(const Document& document, const RegionTarg
   if (std::find(changed.begin(), changed.end(), 1) == changed.end()) return part;
   part.points = withHalo(target, changed, monitor);
   const double share =
-      static_cast<double>(part.points.size()) / static_cast<double>(target.ids.size());
-  if (share > kMostShare || part.points.size() <= 4 * target.neighborhoods.k) return std::nullopt;
+      static_cast<double>(part.points.size()) / static_cast<double>(target.part.size());
+  if (share > kMostShare || part.points.size() <= 4 * target.part.neighborhoods().k)
+    return std::nullopt;
   gatherMap(results, target, changed, part);
   renumber(part);
   Unwrapper(target, part).run(monitor);

@@ -2,23 +2,21 @@
 // new to it, and points where the directions or the scale have turned into others.
 #pragma once
 
-#include "document/document.h"
+#include "document/region_points.h"
 
 namespace dapple {
 
-// What a region asks for now; its points are numbered by their place in `ids`.
+// What a region asks for now. Its m points are numbered as in `part`.
 struct RegionTarget {
   const Region& region;
-  std::span<const Index> ids;  // m, ascending, of the document
-  const PointSet& points;      // m
-  const Neighborhoods& neighborhoods;
+  const RegionPoints& part;
   const OrientationField& field;
   float unit = 0;  // local units per swatch pixel
 };
 
 // Some of a region's points, and the map that their synthesis starts from.
 struct RegionPart {
-  std::vector<Index> points;  // ascending places in `ids`: those that changed, and a halo
+  std::vector<Index> points;  // of the region's, ascending: those that changed, and a halo
   SourceMap map;              // of `points`: Free where they changed
   // The result has patches of these numbers in place of the map's; new ones follow the largest.
   std::vector<Index> patchOf;

@@ -1,8 +1,6 @@
 #include "document/region_synthesis.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "base/errors.h"
 #include "document/border_blend.h"
@@ -11,81 +9,6 @@
 
 namespace dapple {
 namespace {
-
-constexpr std::size_t kFewestPoints = 9;  // the least that the option table's 8 neighbours need
-
-template <class T>
-std::vector<T> gathered(const std::vector<T>& column, std::span<const Index> points) {
-  std::vector<T> out(points.size());
-  for (std::size_t r = 0; r < points.size(); ++r) out[r] = column[points[r]];
-  return out;
-}
-
-PointSet takenOut(const PointSet& points, std::span<const Index> ids) {
-  PointSet out{.positions = gathered(points.positions, ids),
-               .normals = gathered(points.normals, ids),
-               .origin = points.origin,
-               .modelUnits = points.modelUnits};
-  return out;
-}
-
-// The first `k` of each point's.
-Neighborhoods nearest(const Neighborhoods& all, std::size_t k) {
-  Neighborhoods out{.k = k};
-  out.ids.reserve(all.size() * k);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto ids = all.of(i).first(k);
-    out.ids.insert(out.ids.end(), ids.begin(), ids.end());
-  }
-  return out;
-}
-
-// Strokes over the points that were taken out: what runs outside is cut off.
-std::vector<Stroke> strokesWithin(const Column<Stroke>& strokes, std::span<const Index> ids) {
-  std::vector<Stroke> out;
-  if (!strokes) return out;
-  for (const Stroke& stroke : *strokes) {
-    if (ids.empty()) {
-      out.push_back(stroke);
-      continue;
-    }
-    Stroke piece{.weight = stroke.weight, .scale = stroke.scale};
-    const auto endPiece = [&] {
-      if (piece.points.size() >= 2) out.push_back(piece);
-      piece.points.clear();
-      piece.positions.clear();
-    };
-    for (std::size_t p = 0; p < stroke.points.size(); ++p) {
-      const auto at = std::lower_bound(ids.begin(), ids.end(), stroke.points[p]);
-      if (at == ids.end() || *at != stroke.points[p]) {
-        endPiece();
-        continue;
-      }
-      piece.points.push_back(static_cast<Index>(at - ids.begin()));
-      piece.positions.push_back(stroke.positions[p]);
-    }
-    endPiece();
-  }
-  return out;
-}
-
-void rotate(std::vector<TangentFrame>& frames, double degrees) {
-  if (degrees == 0) return;
-  const double angle = degrees * std::numbers::pi / 180;
-  const float c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
-  for (TangentFrame& frame : frames) {
-    const vec3 right = frame.s, up = frame.t;
-    frame.s = c * right + s * up;
-    frame.t = c * up - s * right;
-  }
-}
-
-OrientationField fieldOf(const PointSet& points, const Neighborhoods& neighborhoods,
-                         const Region& region, std::span<const Stroke> strokes, Monitor& monitor) {
-  OrientationField field = directionsOf(points, neighborhoods, strokes, region.options, monitor);
-  rotate(field.frames, region.rotation);
-  return field;
-}
 
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
   auto source = std::make_shared<ResultSource>();
@@ -259,26 +182,22 @@ class RegionSynthesis {
         turn_(turn),
         watch_(watch),
         monitor_(monitor),
-        options_(region.options),
-        ids_(pointsOf(document, region.id)) {
-    checkReady(region, ids_.size());
-    validate(options_);
-    takePoints();
-    strokes_ = strokesWithin(region.strokes, whole() ? std::span<const Index>() : ids_);
-    starts_ = startsOf(strokes_);
+        options_(checkedOptions(region)),
+        part_(document, region, monitor) {
+    if (part_.size() < kFewestPoints) options_.method = Method::Triplanar;
   }
 
   RegionResult run() {
-    const OrientationField field = fieldOf(*points_, *neighborhoods_, region_, strokes_, monitor_);
+    const std::vector<Stroke> strokes = part_.strokes(region_);
+    const OrientationField field = fieldOf(part_, region_, strokes, monitor_);
     const auto source =
         sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options_.scale));
-    const RegionTarget target{region_, ids_, *points_, *neighborhoods_, field, source->unit};
-    std::optional<RegionPart> part;
-    if (turn_.onlyChanged && ids_.size() >= kFewestPoints)
-      part = changedPart(document_, target, monitor_);
-    SynthesisResult result = part ? changed(target, *part) : all(target);
-    RegionResult out;
-    if (!whole()) out.points = std::move(ids_);
+    const RegionTarget target{region_, part_, field, source->unit};
+    std::optional<RegionPart> changes;
+    if (turn_.onlyChanged && part_.size() >= kFewestPoints)
+      changes = changedPart(document_, target, monitor_);
+    SynthesisResult result = changes ? changed(target, *changes) : all(target, startsOf(strokes));
+    RegionResult out{.points = part_.ids()};
     source->statistics = result.statistics;
     noteBlends(result.map, out.points, *source);
     out.map = std::move(result.map);
@@ -287,54 +206,46 @@ class RegionSynthesis {
   }
 
  private:
-  bool whole() const { return ids_.size() == document_.size(); }
-
-  void takePoints() {
-    const PreparedScan& prepared = document_.scan->prepared;
-    const std::size_t m = ids_.size();
-    const std::size_t k = std::min(static_cast<std::size_t>(options_.neighbours), m - 1);
-    if (!whole()) own_ = takenOut(document_.points(), ids_);
-    points_ = whole() ? &document_.points() : &own_;
-    if (m < kFewestPoints)
-      options_.method = Method::Triplanar;
-    else if (whole() && k < prepared.neighborhoods.k)
-      near_ = nearest(prepared.neighborhoods, k);
-    else if (!whole() || k > prepared.neighborhoods.k)
-      near_ = buildNeighborhoods(points_->positions, k, monitor_);
-    const bool scans = whole() && k == prepared.neighborhoods.k;
-    neighborhoods_ = scans ? &prepared.neighborhoods : &near_;
+  static TextureOptions checkedOptions(const Region& region) {
+    validate(region.options);
+    return region.options;
   }
 
-  SynthesisResult all(const RegionTarget& target) {
-    SynthesisResult result = synthesize({.points = *points_,
-                                         .neighborhoods = *neighborhoods_,
+  SynthesisResult all(const RegionTarget& target, const std::vector<Index>& starts) {
+    SynthesisResult result = synthesize({.points = part_.points(),
+                                         .neighborhoods = part_.neighborhoods(),
                                          .swatch = *region_.swatch,
                                          .frames = target.field.frames,
                                          .unit = target.unit,
                                          .scale = target.field.scale,
-                                         .starts = starts_},
+                                         .starts = starts},
                                         options_, monitor_);
     if (watch_.ends) watch_.ends(result.map);
     return result;
   }
 
   // What has changed, as points of their own beside those that are kept.
-  SynthesisResult changed(const RegionTarget& target, const RegionPart& part) {
-    if (part.points.empty()) return withPart(document_, target, part, {});
-    if (watch_.begins) watch_.begins(gathered(ids_, part.points), turn_.before, turn_.total);
-    const PointSet points = takenOut(*points_, part.points);
-    const Neighborhoods near = buildNeighborhoods(points.positions, neighborhoods_->k, monitor_);
-    const std::vector<TangentFrame> frames = gathered(target.field.frames, part.points);
+  SynthesisResult changed(const RegionTarget& target, const RegionPart& changes) {
+    if (changes.points.empty()) return withPart(document_, target, changes, {});
+    if (watch_.begins) {
+      std::vector<Index> ids;
+      for (const Index r : changes.points) ids.push_back(part_.idOf(r));
+      watch_.begins(ids, turn_.before, turn_.total);
+    }
+    const PointSet points = takenOut(part_.points(), changes.points);
+    const Neighborhoods near =
+        buildNeighborhoods(points.positions, part_.neighborhoods().k, monitor_);
+    const std::vector<TangentFrame> frames = gathered(target.field.frames, changes.points);
     const SynthesisResult made = synthesize({.points = points,
                                              .neighborhoods = near,
                                              .swatch = *region_.swatch,
                                              .frames = frames,
                                              .unit = target.unit,
-                                             .scale = part.map.scale,
-                                             .kept = &part.map},
+                                             .scale = changes.map.scale,
+                                             .kept = &changes.map},
                                             options_, monitor_);
     if (watch_.ends) watch_.ends(made.map);
-    return withPart(document_, target, part, made.map);
+    return withPart(document_, target, changes, made.map);
   }
 
   const Document& document_;
@@ -343,13 +254,7 @@ class RegionSynthesis {
   const SynthesisWatch& watch_;
   Monitor& monitor_;
   TextureOptions options_;
-  std::vector<Index> ids_;  // ascending
-  PointSet own_;            // unless the region is all of the scan
-  Neighborhoods near_;      // unless the scan's will do
-  const PointSet* points_ = nullptr;
-  const Neighborhoods* neighborhoods_ = nullptr;
-  std::vector<Stroke> strokes_;
-  std::vector<Index> starts_;
+  const RegionPoints part_;
 };
 
 }  // namespace

@@ -1,8 +1,4 @@
-// Synthesis of one region and its way into the results.
-//
-// synthesize() colours all points that it is given. A region that is not the whole scan is
-// therefore taken out as a point set of its own, with neighbourhoods of its own (points across the
-// border would pull its pattern towards theirs), and its map is scattered back.
+// Synthesis of regions, each as a point set of its own, and its way into the results.
 #pragma once
 
 #include "document/apply.h"

@@ -83,16 +83,18 @@ PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& o
   return out;
 }
 
+FieldOptions fieldOptionsOf(const TextureOptions& options) {
+  return {.method = options.field,
+          .symmetry = options.symmetry,
+          .creases = options.creases,
+          .up = options.up,
+          .seed = options.seed};
+}
+
 OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
                               std::span<const Stroke> strokes, const TextureOptions& options,
                               Monitor& monitor) {
-  return orientPoints(points, neighborhoods, strokes,
-                      {.method = options.field,
-                       .symmetry = options.symmetry,
-                       .creases = options.creases,
-                       .up = options.up,
-                       .seed = options.seed},
-                      monitor);
+  return orientPoints(points, neighborhoods, strokes, fieldOptionsOf(options), monitor);
 }
 
 TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,

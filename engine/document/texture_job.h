@@ -34,6 +34,9 @@ using TakePoints = std::function<void(const PointSet&)>;
 PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
                          int neighbours, const TakePoints& loaded, Monitor& monitor);
 
+// The part of them that a field of directions is found by.
+FieldOptions fieldOptionsOf(const TextureOptions& options);
+
 // The directions that a synthesis with these options follows. Throws InvalidInput, Cancelled.
 OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
                               std::span<const Stroke> strokes, const TextureOptions& options,
