@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "base/errors.h"
-#include "document/document.h"
+#include "document/region_field.h"
 #include "document_fixtures.h"
 #include "fixtures.h"
 
@@ -182,4 +182,44 @@ TEST_CASE("points that a region gains are synthesized, those that it had stay") 
   const Kept kept = keptOf(d, after, 36);
   CHECK(kept.left == kept.leftAll);
   for (const Index i : more) CHECK((*after.results.source)[i] == (*after.results.source)[more[0]]);
+}
+
+TEST_CASE("a field that is kept from edit to edit is what it would be anew, or next to it") {
+  const TestFolder folder;
+  const Document before = upright(folder, {.method = Method::Hybrid, .neighbours = 16});
+  const Document drawn = withStroke(before, {54, 2}, {59, 10});
+  Workers workers(1);
+  Monitor monitor(workers);
+  using Bytes = RegionField::Bytes;
+  RegionField kept(before, *findRegion(before, 0), monitor);
+  CHECK(kept.fits(drawn, *findRegion(drawn, 0)));
+  Region other = *findRegion(drawn, 0);
+  other.options.symmetry = FieldSymmetry::Half;
+  CHECK_FALSE(kept.fits(drawn, other));
+  const auto anew = [&](const Document& d) {
+    const Region& region = *findRegion(d, 0);
+    const RegionPoints part(d, region, monitor);
+    return fieldOf(part, region, part.strokes(region), monitor);
+  };
+  const auto largestTurn = [&](const OrientationField& a, const OrientationField& b) {
+    float least = 1;
+    for (std::size_t i = 0; i < a.frames.size(); ++i)
+      least = std::min(least, glm::dot(a.frames[i].t, b.frames[i].t));
+    return std::acos(std::min(least, 1.f)) * 180 / 3.14159265f;
+  };
+  const auto same = [](const OrientationField& a, const OrientationField& b) {
+    bool equal = a.scale == b.scale && a.frames.size() == b.frames.size();
+    for (std::size_t i = 0; equal && i < a.frames.size(); ++i)
+      equal = a.frames[i].t == b.frames[i].t && a.frames[i].s == b.frames[i].s;
+    return equal;
+  };
+  CHECK(same(kept.field(*findRegion(before, 0), Bytes::Near, monitor), anew(before)));
+  const OrientationField wanted = anew(drawn);
+  CHECK(largestTurn(kept.field(*findRegion(drawn, 0), Bytes::Near, monitor), wanted) < 3);
+  CHECK(same(kept.field(*findRegion(drawn, 0), Bytes::Exact, monitor), wanted));
+  Region turned = *findRegion(drawn, 0);
+  turned.rotation = 30;
+  const OrientationField& after = kept.field(turned, Bytes::Near, monitor);
+  CHECK(glm::dot(after.frames[7].t, wanted.frames[7].t) ==
+        doctest::Approx(std::cos(30 * 3.14159265 / 180)).epsilon(0.001));
 }

@@ -99,7 +99,9 @@ Change synthesized(const Document& document, const Synthesize& command,
     throw InvalidInput("no region has points, a swatch and is unlocked; choose a swatch first");
   const Document made = withResults(
       document,
-      synthesizeRegions(document, {regions, command.onlyChanged}, context.watch, monitor));
+      synthesizeRegions(
+          document, {regions, command.onlyChanged, command.onlyChanged ? context.field : nullptr},
+          context.watch, monitor));
   return withBlendedBorders(made, context.watch, monitor);
 }
 

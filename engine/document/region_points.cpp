@@ -47,6 +47,8 @@ std::vector<Stroke> strokesWithin(const Column<Stroke>& strokes, std::span<const
   return out;
 }
 
+}  // namespace
+
 void rotate(std::vector<TangentFrame>& frames, double degrees) {
   if (degrees == 0) return;
   const double angle = degrees * std::numbers::pi / 180;
@@ -57,8 +59,6 @@ void rotate(std::vector<TangentFrame>& frames, double degrees) {
     frame.t = c * up - s * right;
   }
 }
-
-}  // namespace
 
 PointSet takenOut(const PointSet& points, std::span<const Index> ids) {
   PointSet out{.positions = gathered(points.positions, ids),

@@ -48,6 +48,9 @@ class RegionPoints {
   Neighborhoods links_;  // unless the scan's
 };
 
+// Turns s and t in their plane, counter-clockwise seen from outside.
+void rotate(std::vector<TangentFrame>& frames, double degrees);
+
 // The directions and scales that the region's synthesis follows, with its rotation. Throws
 // InvalidInput, Cancelled.
 OrientationField fieldOf(const RegionPoints& part, const Region& region,

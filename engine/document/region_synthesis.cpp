@@ -171,6 +171,7 @@ struct OpenColumns {
 struct Turn {
   std::size_t before = 0, total = 0;  // points
   bool onlyChanged = false;
+  std::unique_ptr<RegionField>* field = nullptr;  // RegionsAsked::field
 };
 
 class RegionSynthesis {
@@ -183,20 +184,17 @@ class RegionSynthesis {
         watch_(watch),
         monitor_(monitor),
         options_(checkedOptions(region)),
-        part_(document, region, monitor) {
+        field_(turn.field ? *turn.field : own_),
+        part_(enter().part()) {
     if (part_.size() < kFewestPoints) options_.method = Method::Triplanar;
   }
 
   RegionResult run() {
-    const std::vector<Stroke> strokes = part_.strokes(region_);
-    const OrientationField field = fieldOf(part_, region_, strokes, monitor_);
     const auto source =
         sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options_.scale));
-    const RegionTarget target{region_, part_, field, source->unit};
-    std::optional<RegionPart> changes;
-    if (turn_.onlyChanged && part_.size() >= kFewestPoints)
-      changes = changedPart(document_, target, monitor_);
-    SynthesisResult result = changes ? changed(target, *changes) : all(target, startsOf(strokes));
+    std::optional<SynthesisResult> some;
+    if (turn_.onlyChanged && part_.size() >= kFewestPoints) some = changed(source->unit);
+    SynthesisResult result = some ? std::move(*some) : all(source->unit);
     RegionResult out{.points = part_.ids()};
     source->statistics = result.statistics;
     noteBlends(result.map, out.points, *source);
@@ -211,21 +209,36 @@ class RegionSynthesis {
     return region.options;
   }
 
-  SynthesisResult all(const RegionTarget& target, const std::vector<Index>& starts) {
+  RegionField& enter() {
+    if (!field_ || !field_->fits(document_, region_)) {
+      field_.reset();
+      field_ = std::make_unique<RegionField>(document_, region_, monitor_);
+    }
+    return *field_;
+  }
+
+  SynthesisResult all(float unit) {
+    const OrientationField& field = field_->field(region_, RegionField::Bytes::Exact, monitor_);
+    const std::vector<Index> starts = startsOf(part_.strokes(region_));
     SynthesisResult result = synthesize({.points = part_.points(),
                                          .neighborhoods = part_.neighborhoods(),
                                          .swatch = *region_.swatch,
-                                         .frames = target.field.frames,
-                                         .unit = target.unit,
-                                         .scale = target.field.scale,
+                                         .frames = field.frames,
+                                         .unit = unit,
+                                         .scale = field.scale,
                                          .starts = starts},
                                         options_, monitor_);
     if (watch_.ends) watch_.ends(result.map);
     return result;
   }
 
-  // What has changed, as points of their own beside those that are kept.
-  SynthesisResult changed(const RegionTarget& target, const RegionPart& changes) {
+  // What has changed, as points of their own beside those that are kept. Nothing: it is too much.
+  std::optional<SynthesisResult> changed(float unit) {
+    const OrientationField& field = field_->field(region_, RegionField::Bytes::Near, monitor_);
+    const RegionTarget target{region_, part_, field, unit};
+    const std::optional<RegionPart> found = changedPart(document_, target, monitor_);
+    if (!found) return std::nullopt;
+    const RegionPart& changes = *found;
     if (changes.points.empty()) return withPart(document_, target, changes, {});
     if (watch_.begins) {
       std::vector<Index> ids;
@@ -254,7 +267,9 @@ class RegionSynthesis {
   const SynthesisWatch& watch_;
   Monitor& monitor_;
   TextureOptions options_;
-  const RegionPoints part_;
+  std::unique_ptr<RegionField> own_;  // where none is kept
+  std::unique_ptr<RegionField>& field_;
+  const RegionPoints& part_;
 };
 
 }  // namespace
@@ -273,7 +288,7 @@ std::vector<RegionResult> synthesizeRegions(const Document& document, const Regi
     const Region& region = *findRegion(document, regions[r]);
     checkReady(region, points[r].size());
     if (watch.begins) watch.begins(points[r], before, total);
-    const Turn turn{before, total, asked.onlyChanged};
+    const Turn turn{before, total, asked.onlyChanged, asked.field};
     before += points[r].size();
     try {
       results.push_back(RegionSynthesis(document, region, turn, watch, monitor).run());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "document/apply.h"
+#include "document/region_field.h"
 
 namespace dapple {
 
@@ -14,6 +15,8 @@ struct RegionResult {
 struct RegionsAsked {
   const std::vector<RegionId>& regions;
   bool onlyChanged = false;  // Synthesize::onlyChanged
+  // With onlyChanged: of the region that was synthesized last; takes this one's. May be null.
+  std::unique_ptr<RegionField>* field = nullptr;
 };
 
 // Regions one after another. A region of fewer than 9 points is projected along the axes: there is
