@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/errors.h"
+#include "document/automatic_options.h"
 #include "document/border_blend.h"
 #include "document/options_table.h"
 
@@ -79,13 +80,17 @@ void rotate(std::vector<TangentFrame>& frames, double degrees) {
   }
 }
 
-std::vector<TangentFrame> framesOf(const PointSet& points, const Neighborhoods& neighborhoods,
-                                   const Region& region, std::span<const Stroke> strokes,
-                                   Monitor& monitor) {
-  std::vector<TangentFrame> frames =
-      std::move(directionsOf(points, neighborhoods, strokes, region.options, monitor).frames);
-  rotate(frames, region.rotation);
-  return frames;
+// With Auto resolved and, for that, the swatch analysed, unless an earlier result has it.
+TextureOptions resolvedOptions(const Document& document, const Region& region, std::size_t points,
+                               std::shared_ptr<const SwatchAnalysis>& analysis, Monitor& monitor) {
+  TextureOptions options = region.options;
+  validate(options);
+  if (points < kFewestPoints) options.method = Method::Triplanar;
+  analysis = knownAnalysis(document, region);
+  if (options.method != Method::Auto) return options;
+  if (!analysis)
+    analysis = std::make_shared<const SwatchAnalysis>(analyse(*region.swatch, monitor));
+  return chosenOptions(region, *analysis, points).options;
 }
 
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
@@ -235,8 +240,8 @@ RegionResult synthesizeRegion(const Document& document, const Region& region,
   out.points = pointsOf(document, region.id);
   const std::size_t m = out.points.size();
   checkReady(region, m);
-  TextureOptions options = region.options;
-  validate(options);
+  std::shared_ptr<const SwatchAnalysis> analysis;
+  const TextureOptions options = resolvedOptions(document, region, m, analysis, monitor);
   const std::size_t k = std::min(static_cast<std::size_t>(options.neighbours), m - 1);
   const bool whole = m == document.size();
   if (whole) out.points.clear();
@@ -244,19 +249,20 @@ RegionResult synthesizeRegion(const Document& document, const Region& region,
   if (!whole) own = takenOut(document.points(), out.points);
   const PointSet& points = whole ? document.points() : own;
   Neighborhoods fewer;
-  if (m < kFewestPoints)
-    options.method = Method::Triplanar;
-  else if (whole && k < prepared.neighborhoods.k)
+  if (whole && k < prepared.neighborhoods.k)
     fewer = nearest(prepared.neighborhoods, k);
-  else if (!whole || k > prepared.neighborhoods.k)
+  else if (m >= kFewestPoints && (!whole || k > prepared.neighborhoods.k))
     fewer = buildNeighborhoods(points.positions, k, monitor);
   const bool scans = whole && k == prepared.neighborhoods.k;
   const Neighborhoods& neighborhoods = scans ? prepared.neighborhoods : fewer;
   const std::vector<Stroke> strokes = strokesWithin(region.strokes, out.points);
   const std::vector<Index> starts = startsOf(strokes);
-  const std::vector<TangentFrame> frames =
-      framesOf(points, neighborhoods, region, strokes, monitor);
+  std::vector<TangentFrame> frames =
+      std::move(directionsOf(points, neighborhoods, strokes, options, monitor).frames);
+  rotate(frames, region.rotation);
   const auto source = sourceOf(region, prepared.spacing * static_cast<float>(options.scale));
+  source->options = options;
+  source->analysis = analysis;
   SynthesisResult result = synthesize({.points = points,
                                        .neighborhoods = neighborhoods,
                                        .swatch = *region.swatch,

@@ -127,13 +127,13 @@ struct SearchedColumns {
 
   std::size_t count;
   std::vector<float> x, y, numbers;
+  float apart = 0;        // of a piece from its match, at least, pixels
+  vec2 period{kNothing};  // the swatch's size where it tiles
 };
 
 struct Wanted {
   vec2 centre;
   const float* code;  // kCodeNumbers
-  float apart;        // pixels
-  vec2 period;        // the swatch's size; huge where it does not tile
 };
 
 [[gnu::always_inline]] inline void wrappedDistance(const Float8& from, float to, float period,
@@ -156,10 +156,10 @@ DAPPLE_CLONES float nearestCode(const SearchedColumns& searched, const Wanted& w
     const auto& x = *reinterpret_cast<const Float8*>(searched.x.data() + p);
     const auto& y = *reinterpret_cast<const Float8*>(searched.y.data() + p);
     Float8 dx, dy;
-    wrappedDistance(x, wanted.centre.x, wanted.period.x, dx);
-    wrappedDistance(y, wanted.centre.y, wanted.period.y, dy);
+    wrappedDistance(x, wanted.centre.x, searched.period.x, dx);
+    wrappedDistance(y, wanted.centre.y, searched.period.y, dy);
     const Float8 larger = dx > dy ? dx : dy;
-    squares = larger < wanted.apart ? Float8{} + kNothing : squares;
+    squares = larger < searched.apart ? Float8{} + kNothing : squares;
     best = squares < best ? squares : best;
   }
   float least = best[0];
@@ -168,14 +168,12 @@ DAPPLE_CLONES float nearestCode(const SearchedColumns& searched, const Wanted& w
 }
 
 // Mean over the pieces of the squared distance to the best match.
-double meanBest(const PieceReader& reader, const std::vector<vec2>& pieces, const Matrix& codes,
-                const SearchedColumns& searched, float apart, Monitor& monitor) {
-  const vec2 period = reader.wraps() ? reader.size() : vec2(kNothing);
+double meanBest(const std::vector<vec2>& pieces, const Matrix& codes,
+                const SearchedColumns& searched, Monitor& monitor) {
   std::vector<float> best(pieces.size());
   parallelFor(monitor, pieces.size(), kSearchGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      best[i] = nearestCode(
-          searched, {pieces[i], codes.row(static_cast<Eigen::Index>(i)).data(), apart, period});
+      best[i] = nearestCode(searched, {pieces[i], codes.row(static_cast<Eigen::Index>(i)).data()});
   });
   double sum = 0, found = 0;
   for (const float b : best)
@@ -195,13 +193,15 @@ SelfMatch selfMatch(const Swatch& swatch, double step, Monitor& monitor) {
   const Matrix rows = readAll(reader, places, 0, monitor);
   const Matrix basis = componentsOf(rows);
   monitor.checkpoint();
-  const SearchedColumns searched(places, rows * basis);
+  SearchedColumns searched(places, rows * basis);
+  searched.apart = apart;
+  if (reader.wraps()) searched.period = reader.size();
   // So that a swatch of one colour, or one that repeats exactly, divides by something.
   const double least = 1e-6 * rows.squaredNorm() / static_cast<double>(rows.rows()) + 1e-12;
   const auto at = [&](double degrees) {
     const auto angle = static_cast<float>(degrees * std::numbers::pi / 180);
     const Matrix codes = readAll(reader, pieces, angle, monitor) * basis;
-    return meanBest(reader, pieces, codes, searched, apart, monitor) + least;
+    return meanBest(pieces, codes, searched, monitor) + least;
   };
   const double unturned = at(0);
   const auto ratio = [&](double degrees) { return std::sqrt(at(degrees) / unturned); };
