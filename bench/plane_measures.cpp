@@ -143,9 +143,10 @@ double gradientDistance(Image a, Image b) {
   return sum / 3;
 }
 
-double correlationDistance(const Image& a, const Image& b) {
-  const Autocorrelation p = autocorrelation(makeSwatch(a, Tileable::No, 1, "sample")),
-                        q = autocorrelation(makeSwatch(b, Tileable::No, 1, "picture"));
+double correlationDistance(const Image& a, const Image& b, Workers& workers) {
+  Monitor monitor(workers);
+  const Autocorrelation p = autocorrelation(makeSwatch(a, Tileable::No, 1, "sample"), monitor),
+                        q = autocorrelation(makeSwatch(b, Tileable::No, 1, "picture"), monitor);
   double squares = 0, count = 0;
   for (int y = -kReach; y <= kReach; ++y)
     for (int x = -kReach; x <= kReach; ++x)
@@ -247,7 +248,7 @@ PlaneMeasures measurePlane(const Image& sample, const Image& picture, Workers& w
           .com15 = meanOf(nearestDistances(sample, picture, {15, 7}, workers)),
           .swd = slicedDistance(sample, picture),
           .grad = gradientDistance(sampleGrey, pictureGrey),
-          .acf = correlationDistance(sampleGrey, pictureGrey),
+          .acf = correlationDistance(sampleGrey, pictureGrey, workers),
           .per = periodShare(picture, workers)};
 }
 

@@ -78,7 +78,9 @@ TEST_CASE("the autocorrelation is that of its definition, holes left out") {
       image.pixels.push_back(c < 3 ? hashUniform(1, i, c) : hashUniform(2, i) < 0.9f);
   const Swatch swatch = makeSwatch(image, Tileable::Auto, 1, "test");
   REQUIRE(swatch.hasHoles);
-  const Autocorrelation correlation = autocorrelation(swatch);
+  Workers workers(2);
+  Monitor monitor(workers);
+  const Autocorrelation correlation = autocorrelation(swatch, monitor);
   CHECK(correlation.reachX == 10);
   CHECK(correlation.reachY == 7);
   for (int y = -7; y <= 7; ++y)

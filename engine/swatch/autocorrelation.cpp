@@ -11,6 +11,8 @@
 namespace dapple {
 namespace {
 
+constexpr std::size_t kLineGrain = 16;
+
 using Complex = std::complex<float>;
 
 // e^(-2 pi i k / n) for k < n / 2.
@@ -50,15 +52,19 @@ void transformLine(Complex* line, const std::vector<Complex>& roots) {
 struct Plane {
   Plane(std::size_t w, std::size_t h) : width(w), height(h), numbers(w * h) {}
 
-  void transform() {
+  void transform(Monitor& monitor) {
     const std::vector<Complex> along = unitRoots(width), across = unitRoots(height);
-    for (std::size_t y = 0; y < height; ++y) transformLine(&numbers[y * width], along);
-    std::vector<Complex> column(height);
-    for (std::size_t x = 0; x < width; ++x) {
-      for (std::size_t y = 0; y < height; ++y) column[y] = numbers[y * width + x];
-      transformLine(column.data(), across);
-      for (std::size_t y = 0; y < height; ++y) numbers[y * width + x] = column[y];
-    }
+    parallelFor(monitor, height, kLineGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t y = begin; y < end; ++y) transformLine(&numbers[y * width], along);
+    });
+    parallelFor(monitor, width, kLineGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<Complex> column(height);
+      for (std::size_t x = begin; x < end; ++x) {
+        for (std::size_t y = 0; y < height; ++y) column[y] = numbers[y * width + x];
+        transformLine(column.data(), across);
+        for (std::size_t y = 0; y < height; ++y) numbers[y * width + x] = column[y];
+      }
+    });
   }
 
   std::size_t width, height;
@@ -82,20 +88,20 @@ vec3 meanColour(const Swatch& swatch) {
 
 // Adds the power spectrum of the plane whose texel i is number(i).
 template <class Number>
-void addPower(const Swatch& swatch, const Number& number, Plane& power) {
+void addPower(const Swatch& swatch, const Number& number, Plane& power, Monitor& monitor) {
   Plane plane(power.width, power.height);
   for (int y = 0; y < swatch.height; ++y)
     for (int x = 0; x < swatch.width; ++x)
       plane.numbers[static_cast<std::size_t>(y) * plane.width + static_cast<std::size_t>(x)] =
           number(static_cast<std::size_t>(y) * swatch.width + x);
-  plane.transform();
+  plane.transform(monitor);
   for (std::size_t i = 0; i < power.numbers.size(); ++i)
     power.numbers[i] += std::norm(plane.numbers[i]);
 }
 
 }  // namespace
 
-Autocorrelation autocorrelation(const Swatch& swatch) {
+Autocorrelation autocorrelation(const Swatch& swatch, Monitor& monitor) {
   const vec3 mean = meanColour(swatch);
   const std::vector<vec3>& colours = swatch.colours();
   const auto deviation = [&](std::size_t i) {
@@ -105,15 +111,16 @@ Autocorrelation autocorrelation(const Swatch& swatch) {
   // Two channels at a time: what mixes them in the sum of the powers is odd, and only the real part
   // of its transform is read, where odd parts leave nothing.
   addPower(
-      swatch, [&](std::size_t i) { return Complex(deviation(i).r, deviation(i).g); }, products);
+      swatch, [&](std::size_t i) { return Complex(deviation(i).r, deviation(i).g); }, products,
+      monitor);
   addPower(
-      swatch, [&](std::size_t i) { return Complex(deviation(i).b, 0); }, products);
+      swatch, [&](std::size_t i) { return Complex(deviation(i).b, 0); }, products, monitor);
   Plane pairs(products.width, products.height);
   addPower(
-      swatch, [&](std::size_t i) { return Complex(swatch.opaque[i], 0); }, pairs);
+      swatch, [&](std::size_t i) { return Complex(swatch.opaque[i], 0); }, pairs, monitor);
   // A power spectrum is real, so that the transform forwards is the one back but for its sign.
-  products.transform();
-  pairs.transform();
+  products.transform(monitor);
+  pairs.transform(monitor);
   Autocorrelation out{.reachX = swatch.width / 2, .reachY = swatch.height / 2};
   const auto size = static_cast<float>(products.numbers.size());
   const float variance = products.numbers[0].real() / pairs.numbers[0].real();

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "base/monitor.h"
 #include "swatch/swatch.h"
 
 namespace dapple {
@@ -19,8 +20,9 @@ struct Autocorrelation {
 };
 
 // Of level 0. What lies beyond the border or is transparent does not count; a swatch of one colour
-// has 0 everywhere but at lag (0, 0). O(n log n) for n texels.
-Autocorrelation autocorrelation(const Swatch& swatch);
+// has 0 everywhere but at lag (0, 0). O(n log n) for n texels. Throws
+// Cancelled.
+Autocorrelation autocorrelation(const Swatch& swatch, Monitor& monitor);
 
 // Its mean over all lags of about the same length: values for 0, 1, 2, ... pixels, up to the
 // smaller reach.

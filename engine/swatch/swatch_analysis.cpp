@@ -27,13 +27,14 @@ constexpr double kUncorrelated = 0.1, kFlatCorrelation = 0.01;  // a pixel
 constexpr double kSecondAngle = 30;  // degrees between two repeats that make a lattice
 
 // Squares of `factor` x `factor` texels as one each, the mean of their opaque ones.
-Swatch reduced(const Swatch& swatch, int factor) {
+Swatch reduced(const Swatch& swatch, int factor, Monitor& monitor) {
   const auto cells = [factor](int size) { return std::max(2, size / factor); };
   Swatch out{
       .width = cells(swatch.width), .height = cells(swatch.height), .tileable = swatch.tileable};
   std::vector<vec3> colours(out.pixels(), vec3(0));
   out.opaque.assign(out.pixels(), 0);
-  for (int y = 0; y < out.height; ++y)
+  for (int y = 0; y < out.height; ++y) {
+    monitor.checkpoint();
     for (int x = 0; x < out.width; ++x) {
       vec3 sum(0);
       float count = 0;
@@ -47,6 +48,7 @@ Swatch reduced(const Swatch& swatch, int factor) {
       if (count > 0) colours[i] = sum / count;
       out.hasHoles |= count == 0;
     }
+  }
   if (out.hasHoles) fillHoles(out, colours);
   out.stack.push_back(std::move(colours));
   return out;
@@ -167,10 +169,10 @@ int SwatchAnalysis::folds() const {
 SwatchAnalysis analyse(const Swatch& swatch, Monitor& monitor) {
   const int factor = std::max(
       1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(swatch.pixels())) / kSide)));
-  const Swatch small = reduced(swatch, factor);
+  const Swatch small = reduced(swatch, factor, monitor);
   SwatchAnalysis out{.tileable = swatch.tileable, .contrast = swatchContrast(swatch)};
   measureAnisotropy(small, out);
-  const Autocorrelation correlation = autocorrelation(small);
+  const Autocorrelation correlation = autocorrelation(small, monitor);
   out.feature = featureSize(radialMean(correlation));
   measureRepeats(correlation, out);
   measureTurns(small, out, monitor);
