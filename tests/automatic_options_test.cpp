@@ -91,13 +91,13 @@ TEST_CASE("a result has the options that auto stood for, and the swatch is analy
 TEST_CASE("a scale that shows too little of a feature, or too few, is told with a better one") {
   CHECK(chosen(kGravel).warnings.empty());
   TextureOptions given;
-  given.scale = 0.5;
+  given.scale = 0.2;
   const AutomaticOptions fine = chosen(kGravel, {"scale"}, given);
   REQUIRE(fine.warnings.size() == 1);
-  CHECK(fine.warnings[0].find("--scale 0.8") != std::string::npos);
-  CHECK(fine.options.scale == 0.5);
+  CHECK(fine.warnings[0].find("--scale 0.4") != std::string::npos);
+  CHECK(fine.options.scale == 0.2);
   given.scale = 10;
   const AutomaticOptions coarse = chosen(kGravel, {"scale"}, given);
   REQUIRE(coarse.warnings.size() == 1);
-  CHECK(coarse.warnings[0].find("--scale 6.7") != std::string::npos);
+  CHECK(coarse.warnings[0].find("--scale 3.3") != std::string::npos);
 }

@@ -68,22 +68,22 @@ void chooseDirections(const AutomaticInput& input, Chooser& chooser) {
                    "only a whole turn leaves it as it is, and larger patches have fewer seams");
 }
 
-// Lengths in spacings; the surface is taken as a square.
+// Lengths in spacings; the surface is taken as a square. From the middle of a feature to where
+// nothing is like it is half of what one sees as one.
 void warnOfScale(const AutomaticInput& input, AutomaticOptions& out) {
-  const double feature = input.swatch.feature * out.options.scale;
+  const double pixels = 2 * input.swatch.feature;
+  const double feature = pixels * out.options.scale;
   const double side = std::sqrt(static_cast<double>(input.points));
-  const double least = kFeatureSpacings / input.swatch.feature;
-  const double most = side / kFeaturesOfSurface / input.swatch.feature;
+  const double least = kFeatureSpacings / pixels, most = side / kFeaturesOfSurface / pixels;
   if (feature > side / kFeaturesOfSurface)
     out.warnings.push_back(
         fmt::format("the surface is only {:.1f} of the swatch's features wide; --scale {:.2g} "
                     "would make it {:g}",
                     side / feature, most, kFeaturesOfSurface));
   else if (feature < kFeatureSpacings && least <= most)
-    out.warnings.push_back(
-        fmt::format("the swatch's features are only {:.1f} points wide; --scale {:.2g} would make "
-                    "them {:g}",
-                    feature, least, kFeatureSpacings));
+    out.warnings.push_back(fmt::format(
+        "the swatch's features are only {:.1f} points wide; --scale {:.2g} would make them {:g}",
+        feature, least, kFeatureSpacings));
 }
 
 }  // namespace

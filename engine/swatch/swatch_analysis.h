@@ -20,7 +20,9 @@ struct SwatchAnalysis {
   double anisotropy = 0;  // coherence of the structure tensor: 0 none, 1 changes one way only
   double grain = 0;       // along which colours change least: degrees, [0, 180), from the rows
                           // counter-clockwise
-  double feature = 0;     // size of a feature: first minimum of the radial autocorrelation, pixels
+  // First minimum of the radial autocorrelation, or where nothing is left of it: half of a feature
+  // with what lies around it, pixels.
+  double feature = 0;
   double regularity = 0;  // autocorrelation at the strongest repeat, 0..1
   vec2 period{0};         // that repeat, pixels
   double lattice = 0;     // the same across the first one: a pattern that repeats both ways
