@@ -56,6 +56,9 @@ TEST_CASE("every choice has a reason, and what the user has set is kept and has 
   CHECK(kept.reasons.size() == 1);
   CHECK(kept.options.symmetry == FieldSymmetry::Quarter);
   CHECK(kept.options.follow == false);
+  // Nothing is said of options that make no difference.
+  given = {.field = FieldMethod::Up};
+  CHECK(chosen(kStripes, {"field"}, given).options.symmetry == FieldSymmetry::None);
   // Typed as it is by default anyway.
   CHECK(chosen(kGravel, {"follow"}).options.follow);
 }

@@ -32,8 +32,10 @@ struct Chooser {
   AutomaticOptions out;
 
   void choose(std::string_view name, std::string_view value, const std::string& reason) {
+    const OptionRow& row = *findOption(name);
+    if (!row.countsIn(out.options)) return;
     if (std::find(kept.begin(), kept.end(), name) != kept.end()) return;
-    setOption(out.options, *findOption(name), value);
+    setOption(out.options, row, value);
     out.reasons.push_back(fmt::format("{} {}: {}.", name, value, reason));
   }
 };
