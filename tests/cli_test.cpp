@@ -465,6 +465,37 @@ TEST_CASE("progress is JSON on request, and nothing with --quiet") {
     CHECK_MESSAGE(countOf(stages, stage) > 0, stage);
 }
 
+TEST_CASE("info describes a swatch by what auto goes by") {
+  const Run run = dapple({"info", asset("swatches/bricks.png"), "--json", "--quiet"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  const Json info = Json::parse(run.out);
+  CHECK(info["pattern"] == "regular");
+  CHECK(info["symmetry"] == 1);
+  CHECK(info["width"] == 144);
+  CHECK(info["feature"] > 5);
+}
+
+TEST_CASE("auto says what it has chosen and why, and a named method is used as it is") {
+  const TemporaryFolder folder;
+  const std::string scan = folder.write("in.xyz", xyzText(spherePoints(kPoints, 1)));
+  const std::string report = folder / "report.json";
+  const Run run = dapple({"texture", scan, "--swatch", asset("swatches/pebbles.png"), "-o",
+                          folder / "out.ply", "--report", report});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  CHECK(run.out.starts_with("auto: hybrid, no follow\n  method hybrid: "));
+  const Json automatic = Json::parse(bytesOf(report));
+  CHECK(automatic["method"] == "hybrid");
+  CHECK(automatic["options"]["follow"] == "no");
+  CHECK(automatic["auto"]["swatch"]["pattern"] == "isotropic");
+  CHECK(automatic["auto"]["reasons"].size() == 2);
+  const Run named = dapple({"texture", scan, "--swatch", asset("swatches/pebbles.png"), "-o",
+                            folder / "out.ply", "--report", report, "--method", "hybrid"});
+  REQUIRE(named.code == 0);
+  CHECK(named.out.find("auto") == std::string::npos);
+  CHECK(Json::parse(bytesOf(report))["auto"].is_null());
+  CHECK(Json::parse(bytesOf(report))["options"]["follow"] == "yes");
+}
+
 TEST_CASE("info describes a scan as JSON") {
   const TemporaryFolder folder;
   const std::string scan = folder.write("in.ply", strangePly(spherePoints(kPoints, 2)));

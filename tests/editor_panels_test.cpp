@@ -333,3 +333,23 @@ TEST_CASE("a material map is chosen for the swatch, shown, exported and taken of
   CHECK_FALSE(first(desk).maps);
   std::filesystem::remove_all(folder);
 }
+
+TEST_CASE("what auto has chosen stands under the method, and not under a named one") {
+  Desk desk;
+  textured(desk);
+  desk.gui.key(Key::enter, kCtrl);
+  desk.rest();
+  CHECK(first(desk).options.method == Method::Auto);
+  CHECK(desk.document().results.sources.front()->options.method == Method::Hybrid);
+  desk.gui.click("panel.swatch");  // folded: the options come into sight
+  desk.gui.frames(3);
+  REQUIRE(desk.gui.has("option.method.chosen"));
+  desk.gui.moveMouse(desk.gui.at("option.method.chosen"));
+  desk.gui.frames(40);
+  desk.save("auto");
+  TextureOptions named = first(desk).options;
+  named.method = Method::Patches;
+  desk.editor.engine().submit(SetRegion{.region = kUnassigned, .options = named});
+  desk.rest();
+  CHECK_FALSE(desk.gui.has("option.method.chosen"));
+}

@@ -180,7 +180,7 @@ class Installation(unittest.TestCase):
             (["dapple", "texture", "--no-c"], ["--no-coherent"]),
             (["dapple", "info", "--me"], []),
             (["dapple", "texture", "--method", ""],
-             ["grid", "hybrid", "match", "patches", "random", "triplanar"]),
+             ["auto", "grid", "hybrid", "match", "patches", "random", "triplanar"]),
             (["dapple", "texture", "--method", "=", "tri"], ["triplanar"]),
             (["dapple", "texture", "--tileable", "="], ["auto", "no", "yes"]),
             (["dapple", "--version", "render", "--renderer", "c"], ["cpu"]),

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/errors.h"
+#include "document/automatic_options.h"
 #include "document/texture_job.h"
 #include "fixtures.h"
 
@@ -53,8 +54,13 @@ TEST_CASE("an option that is said not to count changes nothing") {
   const Swatch swatch = swatchOf(blobs(24), Tileable::No);
   Workers workers(1);
   Monitor monitor(workers);
+  const SwatchAnalysis analysis = analyse(swatch, monitor);
   const auto textured = [&](const TextureOptions& options) {
-    return texturePoints(ball, swatch, {}, options, monitor).map;
+    const TextureOptions chosen = chosenOptions(options, {.swatch = analysis,
+                                                          .points = ball.scan.points.size(),
+                                                          .kept = changedOptions(options)})
+                                      .options;
+    return texturePoints(ball, swatch, {}, chosen, monitor).map;
   };
   std::size_t compared = 0;
   for (int method = 0; method <= static_cast<int>(Method::Random); ++method)

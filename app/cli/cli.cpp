@@ -77,13 +77,14 @@ void runCommand(const Subcommand& command) {
 
 }  // namespace
 
-void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options) {
+void addTableOption(CLI::App& app, std::string_view name, CommonOptions& common) {
   const OptionRow* row = findOption(name);
   DAPPLE_CHECK(row != nullptr, ==, true);
   const std::string option = "--" + std::string(name);
   const std::string standard = optionText(TextureOptions{}, *row);
-  auto set = [&options, row](const std::string& value) {
-    setOption(options, *row, value);
+  auto set = [&common, row](const std::string& value) {
+    setOption(common.table, *row, value);
+    common.given.emplace_back(row->name);
     return true;
   };
   if (row->choices == "yes|no") {
@@ -121,7 +122,7 @@ void addStrokesOption(CLI::App& app, std::string& path) {
 }
 
 void addCommonOptions(CLI::App& app, CommonOptions& common) {
-  addTableOption(app, "threads", common.table);
+  addTableOption(app, "threads", common);
   app.add_flag("--quiet", common.quiet, "no progress and no summary");
   app.add_option("--progress", common.progress, "auto|bar|lines|json, on standard error")
       ->capture_default_str();

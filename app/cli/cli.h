@@ -13,7 +13,8 @@ enum class ProgressStyle { Auto, Bar, Lines, Json, Quiet };
 
 // What every subcommand that works on a scan can be told.
 struct CommonOptions {
-  TextureOptions table;  // threads; a command adds the rows that it needs
+  TextureOptions table;            // threads; a command adds the rows that it needs
+  std::vector<std::string> given;  // names of its rows that were typed
   bool quiet = false;
   std::string progress = "auto";
 };
@@ -34,7 +35,7 @@ Subcommand addFieldCommand(CLI::App& app, CommonOptions& common);
 Subcommand addEditCommand(CLI::App& app, CommonOptions& common);
 
 // An option, or a flag, of the options table: help, default, range and behaviour cannot differ.
-void addTableOption(CLI::App& app, std::string_view name, TextureOptions& options);
+void addTableOption(CLI::App& app, std::string_view name, CommonOptions& common);
 
 // How a picture is drawn, as it was typed.
 struct DrawingArguments {

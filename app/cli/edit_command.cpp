@@ -71,7 +71,7 @@ Subcommand addEditCommand(CLI::App& app, CommonOptions& common) {
   sub->add_option("files", arguments->files, "a scan or a project, and images: swatches");
   sub->add_flag("--factory-settings", arguments->factorySettings,
                 "neither read nor write the user's settings and keys");
-  addTableOption(*sub, "threads", common.table);
+  addTableOption(*sub, "threads", common);
   // Stopped by a signal it leaves what recovery needs: closing it in order would throw that away.
   return {.app = sub,
           .common = &common,

@@ -71,7 +71,7 @@ Subcommand addFieldCommand(CLI::App& app, CommonOptions& common) {
   sub->add_flag("--ascii", a->ascii, "write the PLY as text");
   sub->add_flag("--z-up", a->zUp, "the scan's z axis points up: --up 0,0,1");
   for (const char* name : {"field", "symmetry", "creases", "up", "neighbours", "seed"})
-    addTableOption(*sub, name, common.table);
+    addTableOption(*sub, name, common);
   addCommonOptions(*sub, common);
   return {sub, &common, [a, &common](Monitor& monitor) { runField(*a, common, monitor); }};
 }

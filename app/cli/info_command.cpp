@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/cli.h"
+#include "app/cli/report.h"
 #include "document/texture_job.h"
+#include "io/image_io.h"
 #include "points/connected_parts.h"
 
 namespace dapple {
@@ -54,8 +56,18 @@ nlohmann::ordered_json describe(const PreparedScan& prepared) {
           {"non_finite", scan.nonFinite}};
 }
 
+// What `--method auto` goes by.
+nlohmann::ordered_json describeSwatch(const std::string& path, Monitor& monitor) {
+  const Swatch swatch = makeSwatch(readImage(path), Tileable::Auto, 1, path);
+  nlohmann::ordered_json info{{"file", path}, {"width", swatch.width}, {"height", swatch.height}};
+  info.update(analysisJson(analyse(swatch, monitor)));
+  return info;
+}
+
 void runInfo(const InfoArguments& a, Monitor& monitor) {
-  const nlohmann::ordered_json info = describe(prepareScan(a.scan, {}, kNeighbours, {}, monitor));
+  const nlohmann::ordered_json info =
+      isImageFile(a.scan) ? describeSwatch(a.scan, monitor)
+                          : describe(prepareScan(a.scan, {}, kNeighbours, {}, monitor));
   if (a.json) {
     fmt::print("{}\n", info.dump(2));
     return;
@@ -67,9 +79,9 @@ void runInfo(const InfoArguments& a, Monitor& monitor) {
 }  // namespace
 
 Subcommand addInfoCommand(CLI::App& app, CommonOptions& common) {
-  CLI::App* sub = app.add_subcommand("info", "Describe a scan.");
+  CLI::App* sub = app.add_subcommand("info", "Describe a scan, or a swatch.");
   auto a = std::make_shared<InfoArguments>();
-  sub->add_option("scan", a->scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
+  sub->add_option("scan", a->scan, "point cloud or mesh: PLY, OBJ, XYZ; or an image")->required();
   sub->add_flag("--json", a->json, "print JSON");
   addCommonOptions(*sub, common);
   return {sub, &common, [a](Monitor& monitor) { runInfo(*a, monitor); }};

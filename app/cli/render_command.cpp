@@ -163,7 +163,7 @@ Subcommand addRenderCommand(CLI::App& app, CommonOptions& common) {
   sub->add_option("--swatch", a->swatch,
                   "the image that the scan was textured from, for --texels; needs a scan that was "
                   "saved with --source-map");
-  addTableOption(*sub, "tileable", common.table);
+  addTableOption(*sub, "tileable", common);
   addDrawingOptions(*sub, a->drawing);
   sub->add_flag("--z-up", a->picture.zUp, "the scan's z axis points up");
   addCommonOptions(*sub, common);

@@ -27,7 +27,32 @@ Json optionsJson(const TextureOptions& options) {
   return json;
 }
 
+// Null when the method was named.
+Json automaticJson(const ReportInput& input) {
+  if (!input.analysis) return {};
+  return {{"reasons", input.automatic.reasons},
+          {"warnings", input.automatic.warnings},
+          {"swatch", analysisJson(*input.analysis)}};
+}
+
 }  // namespace
+
+Json analysisJson(const SwatchAnalysis& analysis) {
+  return {{"pattern", patternName(analysis.kind())},
+          {"tileable", analysis.tileable},
+          {"contrast", analysis.contrast},
+          {"feature", analysis.feature},
+          {"anisotropy", analysis.anisotropy},
+          {"grain", analysis.grain},
+          {"symmetry", analysis.folds()},
+          {"turned",
+           {{"180", analysis.turned.half},
+            {"90", analysis.turned.quarter},
+            {"45", analysis.turned.eighth}}},
+          {"regularity", analysis.regularity},
+          {"lattice", analysis.lattice},
+          {"period", {analysis.period.x, analysis.period.y}}};
+}
 
 Json scoreJson(const TextureScore& score) {
   Json json{{"F", score.F},
@@ -59,12 +84,13 @@ Json reportJson(const ReportInput& input) {
   const PreparedScan& prepared = input.prepared;
   const TexturedPoints& textured = input.textured;
   const double modelUnits = prepared.scan.points.modelUnits;
-  const TextureOptions& options = input.options;
+  const TextureOptions& options = input.automatic.options;
   const OptionRow* method = findOption("method");
   return {
       {"version", DAPPLE_VERSION},
       {"method", optionText(options, *method)},
       {"options", optionsJson(options)},
+      {"auto", automaticJson(input)},
       {"seed", options.seed},
       {"threads", input.threads},
       {"points", prepared.scan.points.size()},

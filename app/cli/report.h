@@ -4,16 +4,21 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "document/automatic_options.h"
 #include "document/texture_job.h"
 
 namespace dapple {
 
 nlohmann::ordered_json scoreJson(const TextureScore& score);
 
+// Of a swatch, as `dapple info` prints it.
+nlohmann::ordered_json analysisJson(const SwatchAnalysis& analysis);
+
 struct ReportInput {
   const PreparedScan& prepared;
   const TexturedPoints& textured;
-  const TextureOptions& options;
+  const AutomaticOptions& automatic;
+  const std::optional<SwatchAnalysis>& analysis;  // there when the method was chosen
   unsigned threads = 1;
   double saveSeconds = 0;
   const std::optional<TextureScore>& score;

@@ -78,7 +78,7 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common) {
                   "size of a swatch pixel in the scan's units [from the file's comment]")
       ->check(CLI::PositiveNumber);
   for (const char* name : {"tileable", "up", "field", "symmetry", "creases"})
-    addTableOption(*sub, name, common.table);
+    addTableOption(*sub, name, common);
   sub->add_flag("--json", a->json, "print JSON");
   addCommonOptions(*sub, common);
   return {sub, &common, [a, &common](Monitor& monitor) { runScore(*a, common.table, monitor); }};

@@ -9,6 +9,7 @@
 #include "app/cli/report.h"
 #include "app/render/camera.h"
 #include "base/errors.h"
+#include "document/automatic_options.h"
 #include "document/channels.h"
 #include "document/export_format.h"
 #include "document/options_table.h"
@@ -90,6 +91,12 @@ Image pictureOf(const PreparedScan& prepared, const TexturedPoints& textured, co
                      options, workers);
 }
 
+void printChoice(const AutomaticOptions& automatic, const TextureOptions& given) {
+  fmt::print("auto: {}\n", choiceText(automatic.options, given));
+  for (const std::string& reason : automatic.reasons) fmt::print("  {}\n", reason);
+  for (const std::string& warning : automatic.warnings) fmt::print("warning: {}\n", warning);
+}
+
 void printSummary(const TextureArguments& a, const PreparedScan& prepared,
                   const TexturedPoints& textured, const std::optional<TextureScore>& score) {
   const Scan& scan = prepared.scan;
@@ -144,9 +151,9 @@ RecordTable tableOf(const PreparedScan& prepared, const SourceMap& map, const Re
 }
 
 void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
-  TextureOptions options = common.table;
-  if (a.zUp && options.up == TextureOptions{}.up) options.up = vec3(0, 0, 1);
-  validate(options);
+  TextureOptions given = common.table;
+  if (a.zUp && given.up == TextureOptions{}.up) given.up = vec3(0, 0, 1);
+  validate(given);
   const PictureOptions picture = pictureOptions(a);
   for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
   exportFormat(a.output);
@@ -155,12 +162,20 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const Image image = readImage(a.swatch);
   source.maps = readMaps(source.reference, image, [](const auto& path) { return readImage(path); });
   const auto made = std::make_shared<const Swatch>(
-      makeSwatch(image, options.tileable, stackLevels(options), a.swatch));
+      makeSwatch(image, given.tileable, stackLevels(given), a.swatch));
   source.swatch = made;
   const Swatch& swatch = *made;
-  const PreparedScan prepared = prepareScan(a.scan, a.load, options.neighbours, {}, monitor);
+  const PreparedScan prepared = prepareScan(a.scan, a.load, given.neighbours, {}, monitor);
   const std::vector<Stroke> strokes =
       strokesFrom(a.strokes, prepared.scan.points, prepared.neighborhoods, monitor);
+  std::optional<SwatchAnalysis> analysis;
+  if (given.method == Method::Auto) analysis = analyse(swatch, monitor);
+  const AutomaticOptions automatic =
+      chosenOptions(given, {.swatch = analysis.value_or(SwatchAnalysis{}),
+                            .points = prepared.scan.points.size(),
+                            .strokes = !strokes.empty(),
+                            .kept = common.given});
+  const TextureOptions& options = automatic.options;
   const TexturedPoints textured = texturePoints(prepared, swatch, strokes, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
@@ -185,13 +200,16 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   if (!a.report.empty())
     writeTextFile(a.report, reportJson({.prepared = prepared,
                                         .textured = textured,
-                                        .options = options,
+                                        .automatic = automatic,
+                                        .analysis = analysis,
                                         .threads = monitor.workers().threads(),
                                         .saveSeconds = saved.count(),
                                         .score = score})
                                     .dump(2) +
                                 "\n");
-  if (!common.quiet) printSummary(a, prepared, textured, score);
+  if (common.quiet) return;
+  if (analysis) printChoice(automatic, given);
+  printSummary(a, prepared, textured, score);
 }
 
 }  // namespace
@@ -201,7 +219,7 @@ Subcommand addTextureCommand(CLI::App& app, CommonOptions& common) {
   auto arguments = std::make_shared<TextureArguments>();
   addFileOptions(*sub, *arguments);
   for (const OptionRow& row : optionsTable())
-    if (row.name != "threads") addTableOption(*sub, row.name, common.table);
+    if (row.name != "threads") addTableOption(*sub, row.name, common);
   addCommonOptions(*sub, common);
   return {sub, &common,
           [arguments, &common](Monitor& monitor) { runTexture(*arguments, common, monitor); }};

@@ -26,14 +26,6 @@ constexpr char kProject[] = ".dapple";
 
 }  // namespace
 
-bool isImageFile(const std::filesystem::path& path) {
-  const std::string extension = lowerExtension(path);
-  for (const char* known :
-       {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp", ".webp", ".tga", ".hdr", ".gif"})
-    if (extension == known) return true;
-  return false;
-}
-
 Editor::Editor(EditorOptions options)
     : options_(std::move(options)),
       engine_({.threads = options_.threads,

@@ -23,7 +23,6 @@
 namespace dapple {
 
 // By its name.
-bool isImageFile(const std::filesystem::path& path);
 
 // Needs the current OpenGL and ImGui contexts for its whole life.
 class Editor {

@@ -13,6 +13,7 @@
 #include "app/gui/scopes.h"
 #include "app/gui/theme.h"
 #include "app/gui/widgets.h"
+#include "document/automatic_options.h"
 
 namespace dapple {
 namespace {
@@ -37,6 +38,20 @@ void placeWindow(ImVec2 min, ImVec2 size) {
 // For the slider just drawn, unless it is being dragged: it would hide what is below.
 void hint(std::string_view text) {
   if (!ImGui::IsMouseDown(0)) tooltip(text);
+}
+
+// What auto stands for in a region, as far as its swatch has been analysed.
+ChoiceShown choiceFor(const Document& document, const Region& region) {
+  if (region.options.method != Method::Auto || !region.swatch) return {};
+  const auto analysis = knownAnalysis(document, region);
+  if (!analysis) return {};
+  const AutomaticOptions automatic =
+      chosenOptions(region, *analysis, pointsOf(document, region.id).size());
+  ChoiceShown shown{.text = choiceText(automatic.options, region.options)};
+  for (const auto* lines : {&automatic.reasons, &automatic.warnings})
+    for (const std::string& line : *lines)
+      shown.reasons += (shown.reasons.empty() ? "" : "\n") + line;
+  return shown;
 }
 
 }  // namespace
@@ -197,7 +212,8 @@ void Editor::swatchPanel() {
 void Editor::methodPanel() {
   if (!sectionHeader("Synthesis", true, "panel.synthesis")) return;
   RegionSettings settings = settingsShown();
-  if (optionWidgets(settings.options)) changeSettings(settings);
+  if (optionWidgets(settings.options, choiceFor(snapshot_->document, chosen())))
+    changeSettings(settings);
 }
 
 void Editor::jobPanel() {

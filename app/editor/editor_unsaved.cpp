@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/editor/editor_memory.h"
+#include "io/image_io.h"
 
 namespace dapple {
 namespace {

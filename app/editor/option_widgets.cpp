@@ -84,14 +84,22 @@ bool optionWidget(TextureOptions& options, const OptionRow& row) {
   return changed;
 }
 
+void choiceLine(const ChoiceShown& chosen) {
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + theme::px(kLabelWidth));
+  mutedText(chosen.text.empty() ? "chosen by the swatch at the next synthesis" : chosen.text);
+  markItem("option.method.chosen");
+  if (!chosen.reasons.empty()) tooltip(chosen.reasons);
+}
+
 }  // namespace
 
-bool optionWidgets(TextureOptions& options) {
+bool optionWidgets(TextureOptions& options, const ChoiceShown& chosen) {
   TextureOptions edited = options;
   bool changed = false;
   for (const OptionRow& row : optionsTable()) {
     if (row.name == "threads" || !row.countsIn(options)) continue;  // threads: the engine's
     changed |= optionWidget(edited, row);
+    if (row.name == "method" && options.method == Method::Auto) choiceLine(chosen);
   }
   if (!changed) return false;
   try {

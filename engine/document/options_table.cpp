@@ -14,20 +14,21 @@ namespace {
 using T = TextureOptions;
 constexpr double kMostSeed = 9007199254740992.0;  // 2^53: exact in every JSON reader
 
+// Auto may choose it.
+constexpr bool isHybrid(const T& o) {
+  return o.method == Method::Auto || o.method == Method::Hybrid;
+}
 constexpr bool growsPatches(const T& o) {
-  return o.method == Method::Hybrid || o.method == Method::Patches;
+  return isHybrid(o) || o.method == Method::Patches;
 }
 constexpr bool fillsByMatching(const T& o) {
-  return o.method == Method::Hybrid && o.gaps == GapFill::Match;
+  return isHybrid(o) && o.gaps == GapFill::Match;
 }
 constexpr bool matches(const T& o) {
   return o.method == Method::Match || fillsByMatching(o);
 }
 constexpr bool matchesOrGrid(const T& o) {
   return matches(o) || o.method == Method::Grid;
-}
-constexpr bool isHybrid(const T& o) {
-  return o.method == Method::Hybrid;
 }
 constexpr bool isGrid(const T& o) {
   return o.method == Method::Grid;
@@ -51,8 +52,9 @@ constexpr bool mayFollow(const T& o) {
 constexpr std::array kTable = {
     OptionRow{.name = "method",
               .field = &T::method,
-              .choices = "hybrid|patches|match|grid|triplanar|random",
-              .help = "how points get their colour; triplanar and random are baselines"},
+              .choices = "auto|hybrid|patches|match|grid|triplanar|random",
+              .help = "how points get their colour; auto chooses by the swatch, triplanar and "
+                      "random are baselines"},
     OptionRow{.name = "neighbours",
               .field = &T::neighbours,
               .low = 8,

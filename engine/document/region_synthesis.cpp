@@ -3,12 +3,28 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "document/automatic_options.h"
 #include "document/border_blend.h"
 #include "document/changed_points.h"
 #include "document/options_table.h"
 
 namespace dapple {
 namespace {
+
+// With Auto resolved and, for that, the swatch analysed, unless an earlier result has it.
+TextureOptions resolvedOptions(const Document& document, const Region& region,
+                               std::shared_ptr<const SwatchAnalysis>& analysis, Monitor& monitor) {
+  TextureOptions options = region.options;
+  validate(options);
+  const std::size_t points = static_cast<std::size_t>(
+      std::count(document.labels->begin(), document.labels->end(), region.id));
+  if (points < kFewestPoints) options.method = Method::Triplanar;
+  analysis = knownAnalysis(document, region);
+  if (options.method != Method::Auto) return options;
+  if (!analysis)
+    analysis = std::make_shared<const SwatchAnalysis>(analyse(*region.swatch, monitor));
+  return chosenOptions(region, *analysis, points).options;
+}
 
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
   auto source = std::make_shared<ResultSource>();
@@ -183,19 +199,19 @@ class RegionSynthesis {
         turn_(turn),
         watch_(watch),
         monitor_(monitor),
-        options_(checkedOptions(region)),
-        field_(turn.field ? *turn.field : own_),
-        part_(enter().part()) {
-    if (part_.size() < kFewestPoints) options_.method = Method::Triplanar;
+        field_(turn.field ? *turn.field : own_) {
+    region_.options = resolvedOptions(document, region, analysis_, monitor);
   }
 
   RegionResult run() {
     const auto source =
-        sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options_.scale));
+        sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options().scale));
+    source->analysis = analysis_;
+    enter();
     std::optional<SynthesisResult> some;
-    if (turn_.onlyChanged && part_.size() >= kFewestPoints) some = changed(source->unit);
+    if (turn_.onlyChanged && part().size() >= kFewestPoints) some = changed(source->unit);
     SynthesisResult result = some ? std::move(*some) : all(source->unit);
-    RegionResult out{.points = part_.ids()};
+    RegionResult out{.points = part().ids()};
     source->statistics = result.statistics;
     noteBlends(result.map, out.points, *source);
     out.map = std::move(result.map);
@@ -204,30 +220,26 @@ class RegionSynthesis {
   }
 
  private:
-  static TextureOptions checkedOptions(const Region& region) {
-    validate(region.options);
-    return region.options;
-  }
+  const TextureOptions& options() const { return region_.options; }
+  const RegionPoints& part() const { return field_->part(); }
 
-  RegionField& enter() {
-    if (!field_ || !field_->fits(document_, region_)) {
-      field_.reset();
-      field_ = std::make_unique<RegionField>(document_, region_, monitor_);
-    }
-    return *field_;
+  void enter() {
+    if (field_ && field_->fits(document_, region_)) return;
+    field_.reset();
+    field_ = std::make_unique<RegionField>(document_, region_, monitor_);
   }
 
   SynthesisResult all(float unit) {
     const OrientationField& field = field_->field(region_, RegionField::Bytes::Exact, monitor_);
-    const std::vector<Index> starts = startsOf(part_.strokes(region_));
-    SynthesisResult result = synthesize({.points = part_.points(),
-                                         .neighborhoods = part_.neighborhoods(),
+    const std::vector<Index> starts = startsOf(part().strokes(region_));
+    SynthesisResult result = synthesize({.points = part().points(),
+                                         .neighborhoods = part().neighborhoods(),
                                          .swatch = *region_.swatch,
                                          .frames = field.frames,
                                          .unit = unit,
                                          .scale = field.scale,
                                          .starts = starts},
-                                        options_, monitor_);
+                                        options(), monitor_);
     if (watch_.ends) watch_.ends(result.map);
     return result;
   }
@@ -235,19 +247,19 @@ class RegionSynthesis {
   // What has changed, as points of their own beside those that are kept. Nothing: it is too much.
   std::optional<SynthesisResult> changed(float unit) {
     const OrientationField& field = field_->field(region_, RegionField::Bytes::Near, monitor_);
-    const RegionTarget target{region_, part_, field, unit};
+    const RegionTarget target{region_, part(), field, unit};
     const std::optional<RegionPart> found = changedPart(document_, target, monitor_);
     if (!found) return std::nullopt;
     const RegionPart& changes = *found;
     if (changes.points.empty()) return withPart(document_, target, changes, {});
     if (watch_.begins) {
       std::vector<Index> ids;
-      for (const Index r : changes.points) ids.push_back(part_.idOf(r));
+      for (const Index r : changes.points) ids.push_back(part().idOf(r));
       watch_.begins(ids, turn_.before, turn_.total);
     }
-    const PointSet points = takenOut(part_.points(), changes.points);
+    const PointSet points = takenOut(part().points(), changes.points);
     const Neighborhoods near =
-        buildNeighborhoods(points.positions, part_.neighborhoods().k, monitor_);
+        buildNeighborhoods(points.positions, part().neighborhoods().k, monitor_);
     const std::vector<TangentFrame> frames = gathered(target.field.frames, changes.points);
     const SynthesisResult made = synthesize({.points = points,
                                              .neighborhoods = near,
@@ -256,20 +268,19 @@ class RegionSynthesis {
                                              .unit = target.unit,
                                              .scale = changes.map.scale,
                                              .kept = &changes.map},
-                                            options_, monitor_);
+                                            options(), monitor_);
     if (watch_.ends) watch_.ends(made.map);
     return withPart(document_, target, changes, made.map);
   }
 
   const Document& document_;
-  const Region& region_;
+  Region region_;  // with its options resolved
   const Turn turn_;
   const SynthesisWatch& watch_;
   Monitor& monitor_;
-  TextureOptions options_;
+  std::shared_ptr<const SwatchAnalysis> analysis_;
   std::unique_ptr<RegionField> own_;  // where none is kept
   std::unique_ptr<RegionField>& field_;
-  const RegionPoints& part_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "swatch/material_maps.h"
+#include "swatch/swatch_analysis.h"
 #include "synthesis/synthesis.h"
 
 namespace dapple {
@@ -42,10 +43,11 @@ struct ResultSource {
   RegionId region = kUnassigned;
   SwatchReference reference;
   std::shared_ptr<const Swatch> swatch;
-  std::shared_ptr<const MaterialMaps> maps;  // of the swatch; null: none
-  float unit = 0;                            // local units per swatch pixel
-  bool partial = false;                      // stopped on the way: colours and states only
-  TextureOptions options;
+  std::shared_ptr<const MaterialMaps> maps;        // of the swatch; null: none
+  std::shared_ptr<const SwatchAnalysis> analysis;  // of the swatch; null: none was needed
+  float unit = 0;                                  // local units per swatch pixel
+  bool partial = false;                            // stopped on the way: colours and states only
+  TextureOptions options;  // that it was made with: Auto only when it was stopped
   SynthesisStatistics statistics;
   // Points that mix several texels, and their terms.
   std::vector<Index> blended;         // ascending

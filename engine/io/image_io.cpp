@@ -130,6 +130,14 @@ std::unique_ptr<OIIO::ImageOutput> writerFor(const std::filesystem::path& path) 
 
 }  // namespace
 
+bool isImageFile(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  for (const char* known :
+       {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr", ".bmp", ".webp", ".tga", ".hdr", ".gif"})
+    if (extension == known) return true;
+  return false;
+}
+
 Image readImage(const std::filesystem::path& path) {
   const Opened opened = openImage(path);
   const OIIO::ImageSpec spec = opened.input->spec();

@@ -13,6 +13,9 @@ namespace dapple {
 // and alpha. Alpha is unassociated. Throws IoError.
 Image readImage(const std::filesystem::path& path);
 
+// Whether its extension is that of a picture.
+bool isImageFile(const std::filesystem::path& path);
+
 // Throws IoError when no format that can be written has the extension of `path`.
 void checkImageName(const std::filesystem::path& path);
 

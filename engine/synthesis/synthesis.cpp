@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/errors.h"
 #include "synthesis/baselines.h"
 #include "synthesis/grid_matching.h"
 #include "synthesis/hybrid_synthesis.h"
@@ -66,7 +67,10 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   SynthesisResult result{.map = input.kept ? *input.kept : emptySourceMap(n, input.unit)};
   result.map.scale.assign(input.scale.begin(), input.scale.end());
   SourceMap& map = result.map;
+  DAPPLE_CHECK(options.method == Method::Auto, ==, false);
   switch (options.method) {
+    case Method::Auto:
+      break;
     case Method::Hybrid: {
       const HybridOptions hybrid{.patches = patchOptions(options),
                                  .gaps = options.gaps,

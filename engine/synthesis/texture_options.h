@@ -9,7 +9,8 @@
 
 namespace dapple {
 
-enum class Method { Hybrid, Patches, Match, Grid, Triplanar, Random };
+// Auto: chosen by the swatch, before a synthesis begins (document/automatic_options.h).
+enum class Method { Auto, Hybrid, Patches, Match, Grid, Triplanar, Random };
 enum class GapFill {
   Cut,    // patches are aligned, overlap, and are cut where they differ least
   Match,  // as printed: gap points are matched with the swatch
@@ -21,7 +22,7 @@ enum class GridAssign {
 };
 
 struct TextureOptions {
-  Method method = Method::Hybrid;
+  Method method = Method::Auto;
   int neighbours = 25;
   int levels = 1;
   bool coherent = true;

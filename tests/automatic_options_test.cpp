@@ -1,0 +1,106 @@
+#include "document/automatic_options.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "document/region_synthesis.h"
+#include "document_fixtures.h"
+
+using namespace dapple;
+
+namespace {
+
+SwatchAnalysis swatchTurned(SelfMatch turned) {
+  SwatchAnalysis a;
+  a.feature = 10, a.turned = turned, a.lattice = 0.5;
+  return a;
+}
+
+const SwatchAnalysis kGravel = swatchTurned({1, 1, 1}), kStripes = swatchTurned({1, 5, 5}),
+                     kChecks = swatchTurned({1, 1, 5}), kScales = swatchTurned({3, 5, 5});
+
+AutomaticOptions chosen(const SwatchAnalysis& swatch, const std::vector<std::string>& kept = {},
+                        const TextureOptions& given = {}, bool strokes = false) {
+  return chosenOptions(given,
+                       {.swatch = swatch, .points = 40000, .strokes = strokes, .kept = kept});
+}
+
+}  // namespace
+
+TEST_CASE("directions are followed where a turn shows, with the symmetry of the swatch") {
+  CHECK(chosen(kGravel).options.follow == false);
+  for (const auto& [swatch, symmetry] :
+       {std::pair(kStripes, FieldSymmetry::Half), std::pair(kChecks, FieldSymmetry::Quarter),
+        std::pair(kScales, FieldSymmetry::None)}) {
+    const TextureOptions options = chosen(swatch).options;
+    CHECK(options.method == Method::Hybrid);
+    CHECK(options.follow);
+    CHECK(options.symmetry == symmetry);
+    CHECK(options.distortion == (symmetry == FieldSymmetry::None ? 3.2 : 1.6));
+  }
+}
+
+TEST_CASE("strokes are followed whatever the swatch is") {
+  CHECK(chosen(kGravel, {}, {}, true).options.follow);
+}
+
+TEST_CASE("every choice has a reason, and what the user has set is kept and has none") {
+  const AutomaticOptions free = chosen(kStripes);
+  CHECK(free.reasons.size() == 3);  // method, follow, symmetry
+  CHECK(choiceText(free.options, {}) == "hybrid, symmetry 180");
+  CHECK(choiceText(chosen(kGravel).options, {}) == "hybrid, no follow");
+  TextureOptions given;
+  given.symmetry = FieldSymmetry::Quarter, given.follow = false;
+  const AutomaticOptions kept = chosen(kStripes, changedOptions(given), given);
+  CHECK(kept.reasons.size() == 1);
+  CHECK(kept.options.symmetry == FieldSymmetry::Quarter);
+  CHECK(kept.options.follow == false);
+  // Nothing is said of options that make no difference.
+  given = {.field = FieldMethod::Up};
+  CHECK(chosen(kStripes, {"field"}, given).options.symmetry == FieldSymmetry::None);
+  // Typed as it is by default anyway.
+  CHECK(chosen(kGravel, {"follow"}).options.follow);
+}
+
+TEST_CASE("a named method stays, and so does everything with it") {
+  for (int method = 1; method <= static_cast<int>(Method::Random); ++method) {
+    TextureOptions given;
+    given.method = static_cast<Method>(method);
+    const AutomaticOptions out = chosen(kGravel, {}, given);
+    CHECK(out.options == given);
+    CHECK(out.reasons.empty());
+    CHECK(out.warnings.empty());
+  }
+}
+
+TEST_CASE("a result has the options that auto stood for, and the swatch is analysed once") {
+  const fixtures::TestFolder folder;
+  Document document = fixtures::sphereDocument(folder, 2000);
+  document = fixtures::applied(
+      document, SetSwatch{.region = kUnassigned, .reference = {.path = "stripes.png"}});
+  CHECK(knownAnalysis(document, document.regions->front()) == nullptr);
+  document = fixtures::applied(document, Synthesize{});
+  CHECK(document.regions->front().options.method == Method::Auto);
+  const auto first = document.results.sources.front();
+  CHECK(first->options.method == Method::Hybrid);
+  CHECK(first->options.symmetry == FieldSymmetry::Half);
+  REQUIRE(first->analysis);
+  document = fixtures::applied(document, Synthesize{});
+  CHECK(document.results.sources.front() != first);
+  CHECK(document.results.sources.front()->analysis == first->analysis);
+}
+
+TEST_CASE("a scale that shows too little of a feature, or too few, is told with a better one") {
+  CHECK(chosen(kGravel).warnings.empty());
+  TextureOptions given;
+  given.scale = 0.2;
+  const AutomaticOptions fine = chosen(kGravel, {"scale"}, given);
+  REQUIRE(fine.warnings.size() == 1);
+  CHECK(fine.warnings[0].find("--scale 0.4") != std::string::npos);
+  CHECK(fine.options.scale == 0.2);
+  given.scale = 10;
+  const AutomaticOptions coarse = chosen(kGravel, {"scale"}, given);
+  REQUIRE(coarse.warnings.size() == 1);
+  CHECK(coarse.warnings[0].find("--scale 3.3") != std::string::npos);
+}
