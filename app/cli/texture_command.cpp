@@ -150,14 +150,19 @@ RecordTable tableOf(const PreparedScan& prepared, const SourceMap& map, const Re
   return table;
 }
 
+// So that nothing is refused only after the work.
+void checkOutputs(const TextureArguments& a) {
+  for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
+  exportFormat(a.output);
+  if (!a.picture.empty()) checkImageName(a.picture);
+}
+
 void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
   TextureOptions given = common.table;
   if (a.zUp && given.up == TextureOptions{}.up) given.up = vec3(0, 0, 1);
   validate(given);
   const PictureOptions picture = pictureOptions(a);
-  for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
-  exportFormat(a.output);
-  if (!a.picture.empty()) checkImageName(a.picture);
+  checkOutputs(a);
   ResultSource source{.reference = referenceOf(a)};
   const Image image = readImage(a.swatch);
   source.maps = readMaps(source.reference, image, [](const auto& path) { return readImage(path); });
