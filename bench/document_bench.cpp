@@ -2,7 +2,7 @@
 // an edit, cancel, saving. Medians; nothing is asserted. What a person sees of it, previews and
 // memory are dapple_editor_bench's.
 //
-// dapple_document_bench [POINTS]
+// dapple_document_bench [POINTS [--edits]]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "document/engine.h"
+#include "document/region_field.h"
 #include "document/region_synthesis.h"
 #include "io/ply.h"
 #include "tests/fixtures.h"
@@ -203,10 +204,66 @@ void benchJobs(Engine& engine, Method method, const char* name) {
   engine.finish();
 }
 
+// A short stroke eastwards from the point that is nearest to where the golden spiral puts it.
+Stroke eastward(const Document& d, std::size_t number, std::size_t of, float turn) {
+  const PointSet& points = d.points();
+  const std::size_t start = points.size() * number / of;
+  const vec3 from = points.positions[start], normal = points.normals[start];
+  const vec3 east = glm::normalize(glm::cross(vec3(0, 1, 0.01f), normal));
+  const vec3 way = std::cos(turn) * east + std::sin(turn) * glm::cross(normal, east);
+  Stroke stroke;
+  for (int step = 0; step < 8; ++step) {
+    const vec3 wanted = from + way * (0.004f * static_cast<float>(step));
+    Index at = stroke.points.empty() ? static_cast<Index>(start) : stroke.points.back();
+    for (bool nearer = true; nearer;) {
+      nearer = false;
+      for (const Index j : d.scan->prepared.neighborhoods.of(at))
+        if (glm::length(points.positions[j] - wanted) < glm::length(points.positions[at] - wanted))
+          at = j, nearer = true;
+    }
+    if (!stroke.points.empty() && stroke.points.back() == at) continue;
+    stroke.points.push_back(at);
+    stroke.positions.push_back(points.positions[at]);
+  }
+  return stroke;
+}
+
+// One of many strokes is turned: what is synthesized again, and how long it takes.
+void benchEdits(const Document& opened, Method method, const char* name) {
+  constexpr std::size_t kStrokes = 400;
+  Workers workers;
+  Monitor monitor(workers);
+  std::unique_ptr<RegionField> kept;
+  CommandContext context{.field = &kept};
+  std::size_t worked = 0;
+  context.watch.begins = [&](std::span<const Index> points, std::size_t, std::size_t) {
+    worked = points.size();
+  };
+  Document d =
+      apply(opened, SetRegion{.region = kUnassigned, .options = TextureOptions{.method = method}},
+            {}, monitor);
+  for (std::size_t s = 0; s < kStrokes; ++s)
+    d = apply(d, AddStroke{kUnassigned, eastward(d, s, kStrokes, 0)}, {}, monitor);
+  const Synthesize again{.region = kUnassigned, .onlyChanged = true};
+  const auto first = Clock::now();
+  d = apply(d, again, context, monitor);
+  print(fmt::format("{}: all of it, with {} strokes", name, kStrokes), secondsSince(first));
+  float turn = 0;
+  const double seconds = medianSeconds(5, [&] {
+    turn += 0.5f;
+    const SetStroke edit{kUnassigned, kStrokes / 2, eastward(d, kStrokes / 2, kStrokes, turn)};
+    d = apply(apply(d, edit, {}, monitor), again, context, monitor);
+  });
+  print(fmt::format("{}: a stroke is turned ({:.1f} k points again)", name,
+                    static_cast<double>(worked) / 1e3),
+        seconds, "<= 100 ms for 20 k");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::size_t count = argc > 1 ? std::stoul(argv[1]) : 1'000'000;
+  const bool onlyEdits = argc > 2 && std::string_view(argv[2]) == "--edits";
   Workers workers;
   Monitor monitor(workers);
   const auto path = writeSphere(count, monitor);
@@ -216,7 +273,7 @@ int main(int argc, char** argv) {
   engine.finish();
   print(fmt::format("open {} points with neighbours", count), secondsSince(start));
   const Document d = engine.snapshot()->document;
-  benchSelections(d, monitor);
+  if (!onlyEdits) benchSelections(d, monitor);
   print("echo of a selection of 50 k points through the engine",
         medianSeconds(5,
                       [&] {
@@ -228,6 +285,9 @@ int main(int argc, char** argv) {
         "<= 50 ms");
   engine.submit(SetSwatch{.region = kUnassigned, .reference = {.path = "bricks.png"}});
   engine.finish();
+  benchEdits(engine.snapshot()->document, Method::Hybrid, "hybrid");
+  benchEdits(engine.snapshot()->document, Method::Match, "match");
+  if (onlyEdits) return 0;
   benchJobs(engine, Method::Hybrid, "hybrid");
   benchJobs(engine, Method::Patches, "patches");
   benchJobs(engine, Method::Match, "match");

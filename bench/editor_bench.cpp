@@ -3,7 +3,7 @@
 // What the engine takes alone is dapple_document_bench's.
 //
 // dapple_editor_bench [--points N] [--seconds N] [--scan FILE] [--only PART]...
-// Parts: open frames tools minute previews cancel memory idle sample
+// Parts: open frames tools field minute previews cancel memory idle sample
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -126,6 +126,7 @@ class Bench {
     submit(SetSwatch{kUnassigned, {std::string(DAPPLE_ASSETS) + "/swatches/pebbles.png", {}}});
   }
   void tools();
+  void field();
   void cancel();
   void previews();
   void minute();
@@ -278,6 +279,37 @@ void Bench::tools() {
     loop_.rest();
   }
   print("undo of a selection of all, to the picture", median(undo), "ms", "<= 100 ms");
+}
+
+// Strokes, each with the camera turning until its directions and singularities are found.
+void Bench::field() {
+  const ViewOverlays& overlays = loop_.editor().overlays();
+  const auto found = [&] { return overlays.field() && !overlays.finding(); };
+  const auto drag = [&](int which, ImVec2 from, ImVec2 to, double duration) {
+    loop_.plan(loop_.now(), MouseMoved{from.x, from.y});
+    loop_.plan(loop_.now() + 20, MouseButtonChanged{which, true});
+    const double end = loop_.planMove(loop_.now() + 30, from, to, duration);
+    loop_.plan(end + 8, MouseButtonChanged{which, false});
+    return end + 8;
+  };
+  press(letterKey('O'));
+  loop_.turnUntil(found);
+  loop_.forget();
+  std::vector<double> took;
+  for (int run = 0; run < kRuns; ++run) {
+    const float y = 60.f * static_cast<float>(run - kRuns / 2);
+    const double end = drag(0, inView(-150, y), inView(150, y + 40), 300);
+    loop_.turnUntil([&] { return loop_.now() > end && overlays.finding(); }, 2000);
+    loop_.does("orbit, a field being found");
+    drag(1, inView(-100, 0), inView(100, 20), 600);
+    loop_.turnUntil(found);
+    took.push_back(loop_.now() - end);
+    loop_.turnUntil([&] { return !loop_.planned(); });
+    loop_.rest();
+  }
+  print("end of a stroke to the picture of its directions", median(took), "ms");
+  printFrames("with strokes and fields being found");
+  press(letterKey('B'));
 }
 
 void Bench::cancel() {
@@ -532,6 +564,7 @@ int main(int argc, char** argv) {
     bench.prepare();
     if (request.wants("frames")) bench.frames();
     if (request.wants("tools")) bench.tools();
+    if (request.wants("field")) bench.field();
     if (request.wants("previews")) bench.previews();
     if (request.wants("cancel")) bench.cancel();
     if (request.wants("minute")) bench.minute();

@@ -111,7 +111,7 @@ void benchmark(std::size_t n, int runs) {
   const SplatTexture texture{.swatch = swatch,
                              .texel = ball.texels,
                              .frame = ball.frames,
-                             .scale = ball.scale,
+                             .unit = ball.scale,
                              .longestStep = std::numeric_limits<float>::max()};
   const SplatOptions options{.shading = Shading::Headlight};
   const auto columns = [&](bool withTexels) {

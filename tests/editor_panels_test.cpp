@@ -173,6 +173,50 @@ TEST_CASE("a stroke is drawn, chosen by a click, turned round and removed") {
   CHECK_FALSE(desk.gui.has("stroke.remove"));
 }
 
+TEST_CASE("a stroke's scale is dragged, typed and reset, each in one step of the history") {
+  Desk desk;
+  desk.openScan();
+  const ImVec2 view = desk.gui.at("view");
+  desk.gui.key(letterKey('O'));
+  desk.gui.drag(0, {view.x - 100, view.y}, {view.x + 60, view.y - 20});
+  desk.rest();
+  desk.gui.click(ImVec2(view.x - 20, view.y - 10));
+  desk.rest();
+  const Stroke drawn = first(desk).strokes->front();
+  const std::size_t steps = desk.editor.snapshot().history->size();
+  const auto resets = [&] { return desk.gui.gui().marks().find("stroke.reset-scale")->enabled; };
+  CHECK_FALSE(resets());
+  const ImVec2 knob = desk.gui.at("stroke.scale");
+  desk.gui.drag(0, knob, {knob.x + 40, knob.y});
+  desk.rest();
+  const std::optional<float> scale = first(desk).strokes->front().scale;
+  REQUIRE(scale);
+  CHECK(*scale > 1.5f);
+  CHECK(*scale < 4);
+  CHECK(first(desk).strokes->front().weight == drawn.weight);
+  CHECK(desk.editor.snapshot().history->size() == steps + 1);
+  CHECK(desk.gui.has("stroke.label.0"));
+  CHECK(resets());
+  desk.save("stroke_scale");
+  desk.gui.drag(0, {knob.x + 40, knob.y}, {knob.x, knob.y});  // to the middle it is the region's
+  desk.rest();
+  CHECK(first(desk).strokes->front() == drawn);
+  CHECK_FALSE(desk.gui.has("stroke.label.0"));
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.rest();
+  CHECK(first(desk).strokes->front().scale == scale);
+  desk.gui.click("stroke.reset-scale");
+  desk.rest();
+  CHECK(first(desk).strokes->front() == drawn);
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.rest();
+  CHECK(first(desk).strokes->front() == drawn);
+  desk.gui.key(letterKey('Z'), kCtrl | kShift);
+  desk.rest();
+  CHECK(first(desk).strokes->front().scale == scale);
+}
+
 TEST_CASE("the wand takes a whole part, and a selection is given back to the first region") {
   Desk desk;
   desk.openScan();

@@ -287,3 +287,40 @@ TEST_CASE("a drawn line covers its width, softly, and blends once where it turns
   drawLines(std::span(&across, 1), closed);
   CHECK(closed.at(39, 2, 0) > 0.4f);
 }
+
+TEST_CASE("a singularity is marked where it is seen, by its sign and by how often it turns") {
+  const Scene scene;
+  const vec3 front{0, 0, 1}, side{0.6f, 0, 0.8f};
+  const SingularMark marks[] = {{front, 1}, {side, -2}, {{0, 0, -1}, 1}, {{9, 9, 0}, 1}};
+  const OverlayLines lines = singularityLines(scene.view(), marks);
+  // Two grounds; then a ring and a plus, two diamonds and a minus, each with its casing.
+  REQUIRE(lines.size() == 2 + 2 * (3 + 3));
+  const OverlayLines cores(lines.end() - 6, lines.end());
+  CHECK(cores[0].closed);
+  CHECK(cores[0].points.size() > 12);
+  for (const vec2& p : cores[0].points)
+    CHECK(glm::distance(p, scene.pixel(front)) == doctest::Approx(kMarkRadius).epsilon(0.01));
+  CHECK(cores[1].points[0].y == cores[1].points[1].y);
+  CHECK(cores[2].points[0].x == cores[2].points[1].x);
+  for (const std::size_t k : {3u, 4u}) {
+    CHECK(cores[k].closed);
+    REQUIRE(cores[k].points.size() == 4);
+    CHECK(glm::distance(0.5f * (cores[k].points[0] + cores[k].points[2]), scene.pixel(side)) <
+          0.1f);
+  }
+  CHECK(glm::distance(cores[4].points[0], cores[4].points[2]) >
+        glm::distance(cores[3].points[0], cores[3].points[2]) + 4);
+  CHECK(cores[5].points.size() == 2);
+  CHECK(cores[0].colour != cores[3].colour);
+
+  // Of twice the size at twice the scale.
+  const OverlayLines large = singularityLines(scene.view(2), {marks, 1});
+  CHECK(glm::distance(large.back().points[0], large.back().points[1]) ==
+        doctest::Approx(2 * glm::distance(cores[1].points[0], cores[1].points[1])));
+  CHECK(singularityLines(scene.view(), {}).empty());
+
+  REQUIRE(placeOf(scene.view(), side));
+  CHECK(glm::distance(*placeOf(scene.view(), side), scene.pixel(side)) < 0.01f);
+  CHECK_FALSE(placeOf(scene.view(), {0, 0, -1}));
+  CHECK_FALSE(placeOf(scene.view(), {0, 0, 6}));
+}

@@ -23,7 +23,7 @@ struct Scene {
   Monitor monitor{workers};
 
   explicit Scene(PointSet set) : points(std::move(set)), neighborhoods(neighbourhoods(points)) {}
-  PointGraph graph() const { return {points, neighborhoods}; }
+  LinkedPoints graph() const { return {points, neighborhoods}; }
   Index nearest(vec3 to) const {
     Index best = 0;
     for (Index i = 1; i < points.size(); ++i)

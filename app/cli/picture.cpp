@@ -186,13 +186,15 @@ void drawPictures(const PictureInput& input, const PictureOptions& options, Work
   std::vector<TangentFrame> frames;
   std::optional<SplatTexture> texture;
   if (usesTexels(input, options)) {
+    const std::vector<float>& scale = input.map->scale;
     texels = plainTexels({input.map->texel, input.columns.colours,
-                          localSpacing(input.neighborhoods, input.points.positions)},
+                          localSpacing(input.neighborhoods, input.points.positions), scale},
                          *input.swatch, input.map->unit);
     frames = input.map->frame;
     if (options.zUp)
       for (TangentFrame& frame : frames) frame.s = yUp(frame.s), frame.t = yUp(frame.t);
     texture.emplace(SplatTexture{*input.swatch, texels, frames, input.map->unit});
+    if (!scale.empty()) texture->scale = &scale;
     if (options.texels == "on") texture->longestStep = std::numeric_limits<float>::max();
     columns.texture = &*texture;
   }

@@ -56,7 +56,8 @@ void runScore(const ScoreArguments& a, const TextureOptions& options, Monitor& m
                    .swatch = swatch,
                    .unit = unitOf(a, prepared.scan),
                    .map = map ? &*map : nullptr,
-                   .frames = options.field == FieldMethod::Random ? nullptr : &asked.frames},
+                   .frames = options.field == FieldMethod::Random ? nullptr : &asked.frames,
+                   .scale = asked.scale.empty() && map ? map->scale : asked.scale},
                   monitor);
   if (a.json)
     fmt::print("{}\n", scoreJson(score).dump(2));

@@ -186,7 +186,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                      .unit = textured.map.unit,
                      .map = &textured.map,
                      // Against random directions there is nothing to measure.
-                     .frames = options.field == FieldMethod::Random ? nullptr : &textured.frames},
+                     .frames = options.field == FieldMethod::Random ? nullptr : &textured.frames,
+                     .scale = textured.map.scale},
                     monitor);
   const auto saving = std::chrono::steady_clock::now();
   exportTable(a.output, tableOf(prepared, textured.map, source, a.exported, monitor), a.ascii,

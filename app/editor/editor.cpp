@@ -35,6 +35,7 @@ Editor::Editor(EditorOptions options)
       view_(workers_, options_.wake),
       library_([](const std::filesystem::path& path) { return readImage(path); }),
       navigation_(&navigationPreset("Default")),
+      overlays_(options_.wake),
       memory_(std::make_unique<Memory>(*this)) {
   library_.addFolder(options_.assets / "swatches");
   addActions();
@@ -238,7 +239,14 @@ void Editor::viewPanel(const Layout& layout) {
   const bool passing = snapshot_->previewColour && !status_.paused;
   settled_ = !view_.draw(layout.viewport(), kBudget, passing);
   if (view_.texture() != 0 && !view_.empty()) showPicture(layout);
-  overlays_.draw(view_, settings_, {stroke_, hand_.overlay(tools_, view_)}, min);
+  overlays_.draw(
+      view_, settings_,
+      {.stroke = stroke_,
+       .hand = hand_.overlay(tools_, view_),
+       .field = tools_.tool == Tool::Stroke && tools_.field,
+       .cursor = hovered ? std::optional(layout.inView(ImGui::GetIO().MousePos)) : std::nullopt},
+      min);
+  settled_ = settled_ && !overlays_.due();
   drawViewLegend(view_, settings_.show,
                  {min.x + theme::px(theme::kGap), min.y + size.y - theme::px(theme::kGap)});
 }

@@ -47,6 +47,7 @@ class Editor {
   Engine& engine() { return engine_; }
   const Snapshot& snapshot() const { return *snapshot_; }
   const SceneView& view() const { return view_; }
+  const ViewOverlays& overlays() const { return overlays_; }
 
  private:
   struct Layout;
@@ -76,8 +77,7 @@ class Editor {
   void swatchPanel();
   void methodPanel();
   void jobPanel();
-  void historyPanel();
-  void logPanel();
+  void historyPanel(), logPanel();
   void statusBar(const Layout& layout);
   void takeMessages();
   void takeNews(const Layout& layout);

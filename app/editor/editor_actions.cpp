@@ -335,6 +335,23 @@ void Editor::addStrokeActions() {
                   std::reverse(turned.points.begin(), turned.points.end());
                   engine_.submit(SetStroke{stroke_->region, stroke_->index, turned});
                 }});
+  actions_.add({.id = "stroke.reset-scale",
+                .label = "Reset stroke's scale",
+                .menu = "Region",
+                .help = "The swatch is as large along it as the region has it.",
+                .icon = Icon::reset,
+                .enabled =
+                    [this] {
+                      const Stroke* stroke =
+                          stroke_ ? findStroke(snapshot_->document, *stroke_) : nullptr;
+                      return stroke && stroke->scale;
+                    },
+                .run =
+                    [this] {
+                      Stroke reset = *findStroke(snapshot_->document, *stroke_);
+                      reset.scale.reset();
+                      engine_.submit(SetStroke{stroke_->region, stroke_->index, reset});
+                    }});
   actions_.add({.id = "stroke.remove",
                 .label = "Remove stroke",
                 .menu = "Region",
@@ -423,18 +440,30 @@ void Editor::addCameraActions() {
 }
 
 void Editor::addDisplayActions() {
-  const auto flag = [this](const char* id, const char* label, bool ViewSettings::*shown) {
-    actions_.add({.id = id,
-                  .label = label,
-                  .menu = "View",
-                  .separatorBefore = std::string_view(id) == "view.strokes",
-                  .checked = [this, shown] { return settings_.*shown; },
-                  .run = [this, shown] { settings_.*shown = !(settings_.*shown); }});
+  struct Flag {
+    const char *id, *label, *keys, *help;
+    bool ViewSettings::*shown;
   };
-  flag("view.strokes", "Strokes", &ViewSettings::strokes);
-  flag("view.outlines", "Region outlines", &ViewSettings::outlines);
-  flag("view.directions", "Directions", &ViewSettings::directions);
-  flag("view.texels", "Swatch inside the splats", &ViewSettings::texels);
+  constexpr Flag kFlags[] = {
+      {"view.strokes", "Strokes", "", "", &ViewSettings::strokes},
+      {"view.outlines", "Region outlines", "", "", &ViewSettings::outlines},
+      {"view.directions", "Directions", "Shift+D",
+       "Where the swatches' tops point, by the strokes as they are.", &ViewSettings::directions},
+      {"view.singularities", "Singularities", "Shift+O",
+       "Where the directions cannot be smooth: a ring where they turn with the way round it, a "
+       "diamond where against it.",
+       &ViewSettings::singularities},
+      {"view.texels", "Swatch inside the splats", "", "", &ViewSettings::texels},
+  };
+  for (const Flag& flag : kFlags)
+    actions_.add({.id = flag.id,
+                  .label = flag.label,
+                  .menu = "View",
+                  .shortcuts = shortcuts(flag.keys),
+                  .help = flag.help,
+                  .separatorBefore = std::string_view(flag.id) == "view.strokes",
+                  .checked = [this, shown = flag.shown] { return settings_.*shown; },
+                  .run = [this, shown = flag.shown] { settings_.*shown = !(settings_.*shown); }});
   const std::pair<const char*, vec3> grounds[] = {{"dark", ViewSettings{}.background},
                                                   {"black", vec3(0)},
                                                   {"grey", vec3(0.5f)},

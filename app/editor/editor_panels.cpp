@@ -1,6 +1,7 @@
 // The parts round the 3D view.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "app/editor/editor_layout.h"
@@ -22,6 +23,8 @@ using theme::px;
 constexpr float kLiveWidth = 72;       // logical pixels
 constexpr float kHistoryHeight = 170;  // logical pixels
 constexpr float kJobHeight = 52;       // logical pixels, while something is synthesized
+// A stroke's: times the region's. Nearer to 1 than the least it is the region's own.
+constexpr float kLeastScale = 0.25f, kMostScale = 4, kNoScale = 1.03f;
 
 void gap(float logical = theme::kGap) {
   ImGui::Dummy(px(0, logical));
@@ -37,13 +40,17 @@ ChoiceShown choiceFor(const Document& document, const Region& region) {
   if (region.options.method != Method::Auto || !region.swatch) return {};
   const auto analysis = knownAnalysis(document, region);
   if (!analysis) return {};
-  const AutomaticOptions automatic =
-      chosenOptions(region, *analysis, pointsOf(document, region.id).size());
+  const AutomaticOptions automatic = chosenOptions(document, region, *analysis);
   ChoiceShown shown{.text = choiceText(automatic.options, region.options)};
   for (const auto* lines : {&automatic.reasons, &automatic.warnings})
     for (const std::string& line : *lines)
       shown.reasons += (shown.reasons.empty() ? "" : "\n") + line;
   return shown;
+}
+
+// For the slider just drawn, unless it is being dragged: it would hide what is below.
+void hint(std::string_view text) {
+  if (!ImGui::IsMouseDown(0)) tooltip(text);
 }
 
 }  // namespace
@@ -109,7 +116,11 @@ void Editor::toolOptions(const Layout& layout) {
   if (tools_.tool == Tool::Wand) wandOptions();
   if (tools_.tool != Tool::Wand && tools_.tool != Tool::Stroke)
     toggle("Through", tools_.through, "tool.through-toggle");
-  if (tools_.tool == Tool::Stroke) strokeOptions();
+  if (tools_.tool == Tool::Stroke) {
+    strokeOptions();
+    toggle("Show directions", tools_.field, "stroke.field");
+  }
+  if (!overlays_.note().empty()) mutedText(overlays_.note());
 }
 
 void Editor::wandOptions() {
@@ -145,18 +156,31 @@ void Editor::strokeOptions() {
     mutedText("Draw where the swatch's top is to point. Click a stroke to choose it.");
     return;
   }
-  float weight = stroke->weight;
-  if (slider({.label = "Weight",
-              .low = 0.1f,
-              .high = 10,
+  Stroke changed = *stroke;
+  bool differs = slider({.label = "Weight",
+                         .low = 0.1f,
+                         .high = 10,
+                         .usual = 1,
+                         .logarithmic = true,
+                         .mark = "stroke.weight"},
+                        changed.weight);
+  hint("Against other strokes, where they meet");
+  float scale = stroke->scale.value_or(1);
+  if (slider({.label = "Scale",
+              .low = kLeastScale,
+              .high = kMostScale,
               .usual = 1,
               .logarithmic = true,
-              .mark = "stroke.weight"},
-             weight)) {
-    Stroke changed = *stroke;
-    changed.weight = weight;
-    engine_.submit(SetStroke{stroke_->region, stroke_->index, changed, gesture_});
+              .mark = "stroke.scale"},
+             scale)) {
+    const bool none = std::max(scale, 1 / scale) < kNoScale;
+    changed.scale = none ? std::nullopt : std::optional(scale);
+    differs = differs || changed.scale != stroke->scale;
   }
+  hint("How many times larger the swatch is along the stroke");
+  ImGui::SameLine(0, px(theme::kGap));
+  actionButton(actions_, "stroke.reset-scale");
+  if (differs) engine_.submit(SetStroke{stroke_->region, stroke_->index, changed, gesture_});
   actionTextButton(actions_, "stroke.reverse", false);
   ImGui::SameLine(0, px(theme::kGapSmall));
   actionTextButton(actions_, "stroke.remove", false);

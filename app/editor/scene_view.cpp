@@ -18,9 +18,16 @@ struct SceneView::Texels {
   std::shared_ptr<const ResultSource> source;  // null: there is nothing to show
   std::vector<vec2> texel;
   Column<TangentFrame> frame;
+  Column<float> scale;
   std::shared_ptr<const SplatTexels> drawn;
 
-  SplatTexture texture() const { return {*source->swatch, texel, *frame, source->unit}; }
+  SplatTexture texture() const {
+    return {.swatch = *source->swatch,
+            .texel = texel,
+            .frame = *frame,
+            .unit = source->unit,
+            .scale = scale.get()};
+  }
 };
 
 // Where the other thread leaves them.
@@ -101,6 +108,7 @@ std::shared_ptr<SceneView::Texels> SceneView::findTexels(const Document& documen
   auto out = std::make_shared<Texels>();
   const Results& results = document.results;
   out->colour = results.colour, out->scan = document.scan, out->frame = results.frame;
+  out->scale = results.scale;
   std::vector<std::size_t> counts(results.sources.size());
   for (const std::uint16_t s : *results.source)
     if (s != kNoSource) ++counts[s];
@@ -112,7 +120,9 @@ std::shared_ptr<SceneView::Texels> SceneView::findTexels(const Document& documen
   out->source = results.sources[main];
   const std::vector<float> spacing =
       localSpacing(document.scan->prepared.neighborhoods, document.points().positions);
-  out->texel = plainTexels({*results.texel, *results.colour, spacing}, *out->source->swatch,
+  const std::span<const float> scale =
+      results.scale ? std::span<const float>(*results.scale) : std::span<const float>();
+  out->texel = plainTexels({*results.texel, *results.colour, spacing, scale}, *out->source->swatch,
                            out->source->unit);
   for (std::size_t i = 0; i < out->texel.size(); ++i)
     if ((*results.source)[i] != main) out->texel[i].x = std::numeric_limits<float>::quiet_NaN();

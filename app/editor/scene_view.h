@@ -22,7 +22,7 @@ struct ViewSettings {
   DrawnBy drawnBy = DrawnBy::Automatic;
   View show = View::Colour;
   Shading shading = Shading::Headlight;
-  bool outlines = true, strokes = true, directions = false;
+  bool outlines = true, strokes = true, directions = false, singularities = false;
   bool texels = true;  // the swatch inside the splats, where the view magnifies it
   vec3 background{0.071f, 0.075f, 0.082f};
   bool operator==(const ViewSettings&) const = default;

@@ -1,5 +1,7 @@
 #include "app/editor/strokes_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace dapple {
@@ -53,6 +55,19 @@ OverlayLines strokesOverlay(const OverlayView& view, const Document& document,
   OverlayLines lines = strokeLines(view, others);
   lines.insert(lines.end(), marked.begin(), marked.end());
   return lines;
+}
+
+std::vector<OverlayLabel> strokeLabels(const OverlayView& view, const Document& document) {
+  std::vector<OverlayLabel> labels;
+  forEachStroke(document, [&](const StrokeId&, const Stroke& stroke) {
+    if (!stroke.scale || *stroke.scale == 1) return;
+    const SurfaceStroke one{stroke.positions};
+    const OverlayLines lines = strokeLines(view, {&one, 1});
+    if (lines.empty()) return;
+    const std::vector<vec2>& shaft = lines.front().points;
+    labels.push_back({shaft[shaft.size() / 2], fmt::format("\u00d7{:.2g}", *stroke.scale)});
+  });
+  return labels;
 }
 
 std::optional<StrokeId> strokeAt(const OverlayView& view, const Document& document, vec2 place,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "app/render/overlay.h"
 #include "document/document.h"
@@ -20,6 +22,13 @@ const Stroke* findStroke(const Document& document, const StrokeId& id);
 // All strokes of visible regions; the chosen one stands out.
 OverlayLines strokesOverlay(const OverlayView& view, const Document& document,
                             const std::optional<StrokeId>& chosen);
+
+struct OverlayLabel {
+  vec2 place;  // pixels of the picture: of what it belongs to
+  std::string text;
+};
+// The scales of those that have one and are seen.
+std::vector<OverlayLabel> strokeLabels(const OverlayView& view, const Document& document);
 
 // The stroke whose visible part is nearest to a place in the picture, within `reach` pixels.
 std::optional<StrokeId> strokeAt(const OverlayView& view, const Document& document, vec2 place,

@@ -20,6 +20,7 @@ struct ToolSettings {
   float brushRadius = 40;  // logical pixels
   bool through = false;    // also what is hidden
   WandOptions wand;
+  bool field = true;       // the stroke tool shows what the strokes make of it
   bool wholePart = false;  // the wand takes all that is connected, whatever it is like
 };
 

@@ -336,11 +336,11 @@ std::shared_ptr<const SplatTexels> makeSplatTexels(const SplatTexture& texture,
   SplatTexels& t = *made;
   for (auto* column : {&t.x, &t.y, &t.sx, &t.sy, &t.sz, &t.tx, &t.ty, &t.tz})
     column->resize(paddedToLanes(n));
-  const float perPixel = 1 / texture.scale;
   forChunks(workers, n, [&](std::size_t i) {
     const std::size_t point = order && !order->empty() ? (*order)[i] : i;
     const TangentFrame& frame = texture.frame[point];
-    const vec3 right = perPixel * frame.s, up = perPixel * frame.t;
+    const float pixels = texture.pixelsPerUnit(point);
+    const vec3 right = pixels * frame.s, up = pixels * frame.t;
     const vec2 texel = texture.texel[point] - 0.5f;
     t.x[i] = texel.x, t.y[i] = texel.y;
     t.sx[i] = right.x, t.sy[i] = right.y, t.sz[i] = right.z;

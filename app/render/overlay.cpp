@@ -29,6 +29,13 @@ constexpr int kLookups = 7;                   // a side of a direction's cell
 constexpr float kDash = 5, kGap = 4;
 constexpr float kFaint = 0.45f;  // opacity of what is hidden
 const vec3 kArrowColour{0.98f, 0.98f, 0.96f};
+constexpr float kMarkWidth = 2, kMarkStep = 3.5f;  // of a mark's outlines, from one to the next
+constexpr float kSign = 0.48f;                     // half its length, of the mark's radius
+constexpr float kDiamond = 1.2f;  // half its diagonal: it looks as large as the ring
+constexpr int kMostOutlines = 3, kRingSides = 24;
+// Apart for the colour-blind, too, and on light and dark.
+const vec3 kPositive{1.0f, 0.47f, 0.66f}, kNegative{0.40f, 0.80f, 1.0f};
+const glm::vec4 kMarkGround{0.04f, 0.05f, 0.08f, 0.62f};
 
 // Not deeper by more than `deeper` than the surface that is seen there. Where that is steep, its
 // depth in the pixels around counts, too.
@@ -198,7 +205,37 @@ void addCircle(const OverlayView& view, const BrushCursor& brush, float radius, 
   }
 }
 
+OverlayLine polygonAround(vec2 centre, float radius, int sides, const OverlayLine& style) {
+  OverlayLine line{{}, style.colour, style.width, true};
+  for (int k = 0; k < sides; ++k) {
+    const float angle = 2 * kPi * static_cast<float>(k) / static_cast<float>(sides);
+    line.points.push_back(centre + radius * vec2(std::cos(angle), std::sin(angle)));
+  }
+  return line;
+}
+
+void addMark(vec2 at, int index, float scale, OverlayLines& grounds, OverlayLines& out) {
+  const bool positive = index > 0;
+  const int sides = positive ? kRingSides : 4, outlines = std::min(std::abs(index), kMostOutlines);
+  const OverlayLine style{{}, glm::vec4(positive ? kPositive : kNegative, 1), kMarkWidth * scale};
+  const float radius = (positive ? 1 : kDiamond) * kMarkRadius * scale;
+  // As wide as it is far from the centre: that fills it.
+  grounds.push_back(polygonAround(at, 0.5f * radius, sides, {{}, kMarkGround, radius}));
+  for (int k = 0; k < outlines; ++k)
+    out.push_back(
+        polygonAround(at, radius + static_cast<float>(k) * kMarkStep * scale, sides, style));
+  const vec2 right(kSign * radius, 0), down(0, kSign * radius);
+  out.push_back({{at - right, at + right}, style.colour, style.width});
+  if (positive) out.push_back({{at - down, at + down}, style.colour, style.width});
+}
+
 }  // namespace
+
+std::optional<vec2> placeOf(const OverlayView& view, const vec3& at) {
+  const vec3 pixel = view.pixels.project(at);
+  if (!seen(view, pixel, kDeeper * view.radius)) return std::nullopt;
+  return vec2(pixel);
+}
 
 OverlayLines withCasing(const OverlayLines& lines, float scale) {
   OverlayLines all = lines;
@@ -257,6 +294,16 @@ OverlayLines directionLines(const OverlayView& view, std::span<const vec3> posit
       lines.push_back(headAt(to, (to - from) / drawn, kArrowHead * drawn, shaft));
     }
   return withCasing(lines, view.scale);
+}
+
+OverlayLines singularityLines(const OverlayView& view, std::span<const SingularMark> marks) {
+  OverlayLines lines, marksLines;
+  for (const SingularMark& mark : marks)
+    if (const auto at = placeOf(view, mark.at))
+      addMark(*at, mark.index, view.scale, lines, marksLines);
+  const OverlayLines cased = withCasing(marksLines, view.scale);
+  lines.insert(lines.end(), cased.begin(), cased.end());
+  return lines;
 }
 
 OverlayLines brushLines(const OverlayView& view, const BrushCursor& brush) {

@@ -2,6 +2,7 @@
 // the traced surface hides. A window hands them to its draw list, the command line to drawLines().
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,9 @@ struct OverlayView {
   float scale;           // of widths and distances: the user interface's (framebuffer) scale
 };
 
+// Where a place on the surface is seen; none where it is hidden or outside the picture.
+std::optional<vec2> placeOf(const OverlayView& view, const vec3& at);
+
 // Drawn on the surface, from the first point to the last, local coordinates.
 struct SurfaceStroke {
   std::span<const vec3> points;
@@ -44,6 +48,16 @@ OverlayLines strokeLines(const OverlayView& view, std::span<const SurfaceStroke>
 // `cell` pixels (times the scale) for the visible point nearest to its centre.
 OverlayLines directionLines(const OverlayView& view, std::span<const vec3> positions,
                             std::span<const vec3> directions, float cell = 14);
+
+// A point round which directions turn, by `index` (not 0) N-ths of a turn.
+struct SingularMark {
+  vec3 at;  // on the surface, local coordinates
+  int index = 1;
+};
+inline constexpr float kMarkRadius = 8;  // pixels, times the scale
+// A ring with a plus where the index is above 0, a diamond with a minus where it is below, around
+// the places that are seen; a second and a third outline for so many N-ths.
+OverlayLines singularityLines(const OverlayView& view, std::span<const SingularMark> marks);
 
 // Smooth borders between visible points of different ids (n; kNone is one of them).
 OverlayLines outlineLines(const OverlayView& view, std::span<const Index> region,

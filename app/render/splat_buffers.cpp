@@ -81,9 +81,10 @@ void SplatBuffers::setTexture(const SplatTexture* texture) {
   for (const GLuint attribute : {kTexel, kSwatchS, kSwatchT}) glDisableVertexAttribArray(attribute);
   if (!texture) return;
   std::vector<vec3> s, t;
-  for (const TangentFrame& frame : texture->frame) {
-    s.push_back(frame.s / texture->scale);
-    t.push_back(frame.t / texture->scale);
+  for (std::size_t i = 0; i < texture->frame.size(); ++i) {
+    const float pixels = texture->pixelsPerUnit(i);
+    s.push_back(pixels * texture->frame[i].s);
+    t.push_back(pixels * texture->frame[i].t);
   }
   upload<vec2>(texels_, texture->texel);
   glVertexAttribPointer(kTexel, 2, GL_FLOAT, GL_FALSE, 0, nullptr);

@@ -366,12 +366,14 @@ std::vector<std::uint32_t> packedInOrder(const std::vector<vec3>& colours, const
 struct OrderedTexture {
   std::vector<vec2> texel;
   std::vector<TangentFrame> frame;
+  std::vector<float> scale;
   SplatTexture texture;
 
   OrderedTexture(const SplatTexture& t, const std::vector<Index>& order)
       : texel(inOrder(t.texel, order)),
         frame(inOrder(t.frame, order)),
-        texture{t.swatch, texel, frame, t.scale, t.longestStep} {}
+        scale(t.scale ? inOrder(*t.scale, order) : std::vector<float>()),
+        texture{t.swatch, texel, frame, t.unit, t.longestStep, t.scale ? &scale : nullptr} {}
   OrderedTexture(const OrderedTexture&) = delete;
   OrderedTexture& operator=(const OrderedTexture&) = delete;
 };

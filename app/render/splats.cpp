@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/errors.h"
+#include "synthesis/source_map.h"
 
 namespace dapple {
 namespace {
@@ -38,12 +39,13 @@ void validate(int width, int height, const SplatOptions& options) {
                                    options.samples, kLargestSamples));
 }
 
-std::vector<vec2> plainTexels(const TexelColumns& columns, const Swatch& swatch, float scale) {
+std::vector<vec2> plainTexels(const TexelColumns& columns, const Swatch& swatch, float unit) {
   constexpr float kSame = 2.5f / 255;  // files hold 8 bits
   const vec2 none(std::numeric_limits<float>::quiet_NaN());
   std::vector<vec2> texels(columns.texel.begin(), columns.texel.end());
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    const float blur = std::log2(std::max(1.f, columns.spacing[i] / scale));
+    const float pixel = columns.scale.empty() ? unit : unit * columns.scale[i];
+    const float blur = filterLevel(columns.spacing[i], pixel);
     const auto same = [&](float level) {
       const vec3 d = glm::abs(sampleSwatch(swatch, texels[i], level) - columns.colours[i]);
       return std::max({d.r, d.g, d.b}) < kSame;

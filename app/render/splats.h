@@ -20,8 +20,12 @@ struct SplatTexture {
   const Swatch& swatch;
   const std::vector<vec2>& texel;          // n, swatch pixels; NaN: this one shows its colour
   const std::vector<TangentFrame>& frame;  // n, s and t are the swatch's axes
-  float scale;                             // local units per swatch pixel
+  float unit;                              // local units per swatch pixel
   float longestStep = 1.1f;  // swatch pixels from sample to sample; further away: its colour
+  const std::vector<float>* scale = nullptr;  // n, times the unit; null: 1 everywhere
+
+  // Swatch pixels per local unit at point i.
+  float pixelsPerUnit(std::size_t i) const { return 1 / (scale ? unit * (*scale)[i] : unit); }
 };
 
 // What is drawn: n elements a column, borrowed for the call of update() only. Points that are
@@ -65,13 +69,14 @@ struct Tint {
 
 // What a splat may show of the swatch: the texel of each point whose colour is the swatch's there,
 // filtered to the point's spacing (n, local units) or not. NaN for the others: blends, and points
-// of another swatch. `scale`: local units per swatch pixel.
+// of another swatch. `unit`: local units per swatch pixel.
 struct TexelColumns {
   std::span<const vec2> texel;
   std::span<const vec3> colours;
   std::span<const float> spacing;
+  std::span<const float> scale = {};  // times the unit; empty: 1 everywhere
 };
-std::vector<vec2> plainTexels(const TexelColumns& columns, const Swatch& swatch, float scale);
+std::vector<vec2> plainTexels(const TexelColumns& columns, const Swatch& swatch, float unit);
 
 // The radius that leaves no hole and yet blurs little, for a point that owns a square of surface of
 // this side.

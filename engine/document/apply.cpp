@@ -97,8 +97,11 @@ Change synthesized(const Document& document, const Synthesize& command,
   const std::vector<RegionId> regions = regionsOf(command, document);
   if (regions.empty())
     throw InvalidInput("no region has points, a swatch and is unlocked; choose a swatch first");
-  const Document made =
-      withResults(document, synthesizeRegions(document, regions, context.watch, monitor));
+  const Document made = withResults(
+      document,
+      synthesizeRegions(
+          document, {regions, command.onlyChanged, command.onlyChanged ? context.field : nullptr},
+          context.watch, monitor));
   return withBlendedBorders(made, context.watch, monitor);
 }
 

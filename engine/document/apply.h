@@ -5,6 +5,8 @@
 
 namespace dapple {
 
+class RegionField;
+
 // Who looks on while regions are synthesized. All may be empty.
 struct SynthesisWatch {
   // The synthesis of these points begins (empty: all); `before` of `total` points are done. The
@@ -24,6 +26,8 @@ struct CommandContext {
   // A scan that is being opened, as soon as its file is read. May be empty.
   std::function<void(const PointSet&)> loaded;
   SynthesisWatch watch;
+  // Kept for the next Synthesize{.onlyChanged}; may be null. It holds some 300 bytes a point.
+  std::unique_ptr<RegionField>* field = nullptr;
 };
 
 // For the history list: "Select 1,204 points", "Synthesize Roof".

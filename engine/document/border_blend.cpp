@@ -176,7 +176,7 @@ std::vector<Share> carriedOn(const Document& document, const Sides& sides, Regio
     decided[i] = sides.takesPart(i) && sides.of(i) == region;
   const Extension extension =
       extendTexture({document.points(), document.scan->prepared.neighborhoods, *source.swatch,
-                     source.unit, *results.texel, *results.frame},
+                     source.unit, *results.texel, *results.frame, results.scale.get()},
                     decided, beyond, monitor);
   for (std::size_t b = 0; b < beyond.size(); ++b)
     if (extension.reached[b])

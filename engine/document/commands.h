@@ -97,6 +97,9 @@ struct SegmentAutomatically {
 };
 struct Synthesize {
   std::optional<RegionId> region;  // else every region that has a swatch and is not locked
+  // Points whose result is what is asked for keep it, as far as the method allows that; the others
+  // are to suit them. Else all points are synthesized, and the result does not depend on the last.
+  bool onlyChanged = false;
 };
 // Blends region borders again, by the widths and results that there are: after
 // SetRegion{.borderWidth}. Synthesize does it, too.

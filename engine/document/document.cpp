@@ -100,10 +100,10 @@ bool sameBorder(const std::shared_ptr<const BorderMix>& a,
 
 bool sameResults(const Results& a, const Results& b) {
   return sameColumn(a.source, b.source) && sameColumn(a.texel, b.texel) &&
-         sameColumn(a.frame, b.frame) && sameColumn(a.colour, b.colour) &&
-         sameColumn(a.state, b.state) && sameColumn(a.patch, b.patch) &&
-         sameColumn(a.error, b.error) && sameColumn(a.order, b.order) &&
-         sameBorder(a.border, b.border) &&
+         sameColumn(a.frame, b.frame) && sameColumn(a.scale, b.scale) &&
+         sameColumn(a.colour, b.colour) && sameColumn(a.state, b.state) &&
+         sameColumn(a.patch, b.patch) && sameColumn(a.error, b.error) &&
+         sameColumn(a.order, b.order) && sameBorder(a.border, b.border) &&
          std::equal(a.sources.begin(), a.sources.end(), b.sources.begin(), b.sources.end(),
                     [](const auto& x, const auto& y) { return x == y || sameSource(*x, *y); });
 }
@@ -170,6 +170,21 @@ std::vector<vec3> shownColours(const Document& document) {
   return std::vector<vec3>(document.size(), kBare);
 }
 
+// The size of swatch pixels, times `unit`: all regions have one of their own. Empty: 1 everywhere.
+std::vector<float> scaleBeside(const Results& results, float unit) {
+  const std::vector<std::uint16_t>& source = *results.source;
+  const auto differs = [&](const auto& s) { return s->unit != unit; };
+  if (!results.scale && std::none_of(results.sources.begin(), results.sources.end(), differs))
+    return {};
+  std::vector<float> scale(source.size(), 1);
+  for (std::size_t i = 0; i < scale.size(); ++i) {
+    if (source[i] == kNoSource) continue;
+    scale[i] = results.sources[source[i]]->unit / unit;
+    if (results.scale) scale[i] *= (*results.scale)[i];
+  }
+  return scale;
+}
+
 SourceMap wholeMap(const Document& document) {
   const Results& results = document.results;
   if (!results.source) throw InvalidInput("nothing is synthesized yet; synthesize a region first");
@@ -182,6 +197,7 @@ SourceMap wholeMap(const Document& document) {
     map.unit = results.sources[static_cast<std::size_t>(largest - size.begin())]->unit;
   map.texel = *results.texel;
   map.frame = *results.frame;
+  map.scale = scaleBeside(results, map.unit);
   map.colour = *results.colour;
   map.state = *results.state;
   map.patch = *results.patch;
@@ -211,6 +227,7 @@ std::vector<MemoryBlock> memoryBlocks(const Document& document) {
   note(blocks, results.source);
   note(blocks, results.texel);
   note(blocks, results.frame);
+  note(blocks, results.scale);
   note(blocks, results.colour);
   note(blocks, results.state);
   note(blocks, results.patch);

@@ -11,6 +11,7 @@
 #include "document/edit_history.h"
 #include "document/live_regions.h"
 #include "document/preview_board.h"
+#include "document/region_field.h"
 
 namespace dapple {
 namespace {
@@ -227,7 +228,7 @@ struct Engine::Core {
     if (touched.empty()) return start(BlendBorders{}, job, true);
     const RegionId region = *touched.begin();
     if (canSynthesize(history.document(), region))
-      start(Synthesize{region}, job, true);
+      start(Synthesize{.region = region, .onlyChanged = true}, job, true);
     else
       touched.erase(region);
   }
@@ -385,8 +386,9 @@ struct Engine::Core {
       wake.notify_all();
     });
     try {
-      if (std::holds_alternative<Synthesize>(now.command))
-        now.board = std::make_unique<PreviewBoard>(now.document);
+      const auto* synthesis = std::get_if<Synthesize>(&now.command);
+      if (synthesis) now.board = std::make_unique<PreviewBoard>(now.document);
+      if (!reads && !(synthesis && synthesis->onlyChanged)) regionField.reset();
       MonitorCallbacks callbacks{.progress = [&](const Progress& p) { tellProgress(now, p); }};
       if (now.board) callbacks.preview = [&](const Preview& p) { showPreview(now, p); };
       // What only reads is not held up with a synthesis that is paused.
@@ -407,6 +409,7 @@ struct Engine::Core {
     };
     if (now) context.loaded = [this](const PointSet& points) { showOpening(points); };
     if (!now || !now->board) return context;
+    context.field = &regionField;
     PreviewBoard& board = *now->board;
     context.watch.begins = [&board](auto points, std::size_t before, std::size_t total) {
       board.begins(points, before, total);
@@ -507,6 +510,7 @@ struct Engine::Core {
   const EngineOptions options;
   Workers jobWorkers, quickWorkers, openWorkers, readerWorkers;
   PauseGate gate;
+  std::unique_ptr<RegionField> regionField;  // of the job's thread
 
   // Of the engine thread alone.
   EditHistory history;

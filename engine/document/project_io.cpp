@@ -47,6 +47,7 @@ Element pointElement(const Document& document) {
   add<std::uint16_t>(points, {"source"}, *results.source);
   add<float>(points, kTexel, *results.texel);
   add<float>(points, kFrame, *results.frame);
+  if (results.scale) add<float>(points, {"scale"}, *results.scale);
   add<float>(points, kColour, *results.colour);
   add<std::uint8_t>(points, {"state"}, *results.state);
   add<std::uint32_t>(points, {"patch"}, *results.patch);
@@ -425,6 +426,12 @@ Results readResults(const json& settings, const RecordTable& table, const Docume
       refuse(file, fmt::format("a point comes from source {} of {}", s, results.sources.size()));
   results.texel = points.read<float, vec2>(kTexel);
   results.frame = points.read<float, TangentFrame>(kFrame);
+  if (points.has("scale")) {
+    results.scale = points.read<float, float>({"scale"});
+    for (const float scale : *results.scale)
+      if (!(scale > 0) || !std::isfinite(scale))
+        refuse(file, fmt::format("the swatch has scale {} at a point", scale));
+  }
   results.colour = points.read<float, vec3>(kColour);
   results.state = points.read<std::uint8_t, PointState>({"state"});
   for (const PointState state : *results.state)

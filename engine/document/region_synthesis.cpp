@@ -1,96 +1,27 @@
 #include "document/region_synthesis.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "base/errors.h"
 #include "document/automatic_options.h"
 #include "document/border_blend.h"
+#include "document/changed_points.h"
 #include "document/options_table.h"
 
 namespace dapple {
 namespace {
 
-constexpr std::size_t kFewestPoints = 9;  // the least that the option table's 8 neighbours need
-
-template <class T>
-std::vector<T> gathered(const std::vector<T>& column, std::span<const Index> points) {
-  std::vector<T> out(points.size());
-  for (std::size_t r = 0; r < points.size(); ++r) out[r] = column[points[r]];
-  return out;
-}
-
-PointSet takenOut(const PointSet& points, std::span<const Index> ids) {
-  PointSet out{.positions = gathered(points.positions, ids),
-               .normals = gathered(points.normals, ids),
-               .origin = points.origin,
-               .modelUnits = points.modelUnits};
-  return out;
-}
-
-// The first `k` of each point's.
-Neighborhoods nearest(const Neighborhoods& all, std::size_t k) {
-  Neighborhoods out{.k = k};
-  out.ids.reserve(all.size() * k);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto ids = all.of(i).first(k);
-    out.ids.insert(out.ids.end(), ids.begin(), ids.end());
-  }
-  return out;
-}
-
-// Strokes over the points that were taken out: what runs outside is cut off.
-std::vector<Stroke> strokesWithin(const Column<Stroke>& strokes, std::span<const Index> ids) {
-  std::vector<Stroke> out;
-  if (!strokes) return out;
-  for (const Stroke& stroke : *strokes) {
-    if (ids.empty()) {
-      out.push_back(stroke);
-      continue;
-    }
-    Stroke piece{.weight = stroke.weight, .scale = stroke.scale};
-    const auto endPiece = [&] {
-      if (piece.points.size() >= 2) out.push_back(piece);
-      piece.points.clear();
-      piece.positions.clear();
-    };
-    for (std::size_t p = 0; p < stroke.points.size(); ++p) {
-      const auto at = std::lower_bound(ids.begin(), ids.end(), stroke.points[p]);
-      if (at == ids.end() || *at != stroke.points[p]) {
-        endPiece();
-        continue;
-      }
-      piece.points.push_back(static_cast<Index>(at - ids.begin()));
-      piece.positions.push_back(stroke.positions[p]);
-    }
-    endPiece();
-  }
-  return out;
-}
-
-void rotate(std::vector<TangentFrame>& frames, double degrees) {
-  if (degrees == 0) return;
-  const double angle = degrees * std::numbers::pi / 180;
-  const float c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
-  for (TangentFrame& frame : frames) {
-    const vec3 right = frame.s, up = frame.t;
-    frame.s = c * right + s * up;
-    frame.t = c * up - s * right;
-  }
-}
-
 // With Auto resolved and, for that, the swatch analysed, unless an earlier result has it.
-TextureOptions resolvedOptions(const Document& document, const Region& region, std::size_t points,
-                               std::shared_ptr<const SwatchAnalysis>& analysis, Monitor& monitor) {
-  TextureOptions options = region.options;
-  validate(options);
-  if (points < kFewestPoints) options.method = Method::Triplanar;
+Region resolved(const Document& document, const Region& region, Monitor& monitor,
+                std::shared_ptr<const SwatchAnalysis>& analysis) {
+  validate(region.options);
+  Region out = region;
   analysis = knownAnalysis(document, region);
-  if (options.method != Method::Auto) return options;
+  if (region.options.method != Method::Auto) return out;
   if (!analysis)
     analysis = std::make_shared<const SwatchAnalysis>(analyse(*region.swatch, monitor));
-  return chosenOptions(region, *analysis, points).options;
+  out.options = chosenOptions(document, region, *analysis).options;
+  return out;
 }
 
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
@@ -144,6 +75,7 @@ struct OpenColumns {
     open(old.source, source, n, kNoSource);
     open(old.texel, texel, n, vec2(0));
     open(old.frame, frame, n, TangentFrame{});
+    if (old.scale) scale = *old.scale;
     open(old.state, state, n, PointState::Free);
     open(old.patch, patch, n, kNone);
     open(old.error, error, n, 0.f);
@@ -154,17 +86,32 @@ struct OpenColumns {
     touched.assign(n, false);
   }
 
+  // Back to what a point has that nothing is synthesized for.
+  void clear(std::size_t i, vec3 own) {
+    touched[i] = true;
+    source[i] = kNoSource;
+    texel[i] = vec2(0);
+    frame[i] = {};
+    if (!scale.empty()) scale[i] = 1;
+    colour[i] = own;
+    state[i] = PointState::Free;
+    patch[i] = order[i] = kNone;
+    error[i] = 0;
+  }
+
   void scatter(const RegionResult& result) {
     const SourceMap& map = result.map;
     const std::size_t count = result.points.empty() ? map.colour.size() : result.points.size();
     const auto id = static_cast<std::uint16_t>(sources.size());
     sources.push_back(result.source);
+    if (!map.scale.empty() && scale.empty()) scale.assign(source.size(), 1);
     for (std::size_t r = 0; r < count; ++r) {
       const std::size_t i = result.points.empty() ? r : result.points[r];
       touched[i] = true;
       source[i] = id;
       texel[i] = map.texel[r];
       frame[i] = map.frame[r];
+      if (!scale.empty()) scale[i] = map.scale.empty() ? 1 : map.scale[r];
       colour[i] = map.colour[r];
       state[i] = map.state[r];
       patch[i] = map.patch[r];
@@ -178,6 +125,8 @@ struct OpenColumns {
     out.source = shared(std::move(source));
     out.texel = shared(std::move(texel));
     out.frame = shared(std::move(frame));
+    const auto scaled = [](float s) { return s != 1; };
+    if (std::any_of(scale.begin(), scale.end(), scaled)) out.scale = shared(std::move(scale));
     out.colour = shared(std::move(colour));
     out.state = shared(std::move(state));
     out.patch = shared(std::move(patch));
@@ -192,6 +141,7 @@ struct OpenColumns {
   std::vector<std::uint16_t> source;
   std::vector<vec2> texel;
   std::vector<TangentFrame> frame;
+  std::vector<float> scale;  // empty: 1 everywhere
   std::vector<vec3> colour;
   std::vector<PointState> state;
   std::vector<Index> patch, order;
@@ -231,56 +181,114 @@ struct OpenColumns {
   }
 };
 
+// One region's turn among those of a command.
+struct Turn {
+  std::size_t before = 0, total = 0;  // points
+  bool onlyChanged = false;
+  std::unique_ptr<RegionField>* field = nullptr;  // RegionsAsked::field
+};
+
+class RegionSynthesis {
+ public:
+  RegionSynthesis(const Document& document, const Region& region, const Turn& turn,
+                  const SynthesisWatch& watch, Monitor& monitor)
+      : document_(document),
+        region_(resolved(document, region, monitor, analysis_)),
+        turn_(turn),
+        watch_(watch),
+        monitor_(monitor),
+        options_(region_.options),
+        field_(turn.field ? *turn.field : own_),
+        part_(enter().part()) {
+    if (part_.size() < kFewestPoints) options_.method = Method::Triplanar;
+  }
+
+  RegionResult run() {
+    const auto source =
+        sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options_.scale));
+    std::optional<SynthesisResult> some;
+    if (turn_.onlyChanged && part_.size() >= kFewestPoints) some = changed(source->unit);
+    SynthesisResult result = some ? std::move(*some) : all(source->unit);
+    RegionResult out{.points = part_.ids()};
+    source->options = options_;
+    source->analysis = analysis_;
+    source->statistics = result.statistics;
+    noteBlends(result.map, out.points, *source);
+    out.map = std::move(result.map);
+    out.source = source;
+    return out;
+  }
+
+ private:
+  RegionField& enter() {
+    if (!field_ || !field_->fits(document_, region_)) {
+      field_.reset();
+      field_ = std::make_unique<RegionField>(document_, region_, monitor_);
+    }
+    return *field_;
+  }
+
+  SynthesisResult all(float unit) {
+    const OrientationField& field = field_->field(region_, RegionField::Bytes::Exact, monitor_);
+    const std::vector<Index> starts = startsOf(part_.strokes(region_));
+    SynthesisResult result = synthesize({.points = part_.points(),
+                                         .neighborhoods = part_.neighborhoods(),
+                                         .swatch = *region_.swatch,
+                                         .frames = field.frames,
+                                         .unit = unit,
+                                         .scale = field.scale,
+                                         .starts = starts},
+                                        options_, monitor_);
+    if (watch_.ends) watch_.ends(result.map);
+    return result;
+  }
+
+  // What has changed, as points of their own beside those that are kept. Nothing: it is too much.
+  std::optional<SynthesisResult> changed(float unit) {
+    const OrientationField& field = field_->field(region_, RegionField::Bytes::Near, monitor_);
+    const RegionTarget target{region_, part_, field, unit};
+    const std::optional<RegionPart> found = changedPart(document_, target, monitor_);
+    if (!found) return std::nullopt;
+    const RegionPart& changes = *found;
+    if (changes.points.empty()) return withPart(document_, target, changes, {});
+    if (watch_.begins) {
+      std::vector<Index> ids;
+      for (const Index r : changes.points) ids.push_back(part_.idOf(r));
+      watch_.begins(ids, turn_.before, turn_.total);
+    }
+    const PointSet points = takenOut(part_.points(), changes.points);
+    const Neighborhoods near =
+        buildNeighborhoods(points.positions, part_.neighborhoods().k, monitor_);
+    const std::vector<TangentFrame> frames = gathered(target.field.frames, changes.points);
+    const SynthesisResult made = synthesize({.points = points,
+                                             .neighborhoods = near,
+                                             .swatch = *region_.swatch,
+                                             .frames = frames,
+                                             .unit = target.unit,
+                                             .scale = changes.map.scale,
+                                             .kept = &changes.map},
+                                            options_, monitor_);
+    if (watch_.ends) watch_.ends(made.map);
+    return withPart(document_, target, changes, made.map);
+  }
+
+  const Document& document_;
+  std::shared_ptr<const SwatchAnalysis> analysis_;  // null: none is needed
+  const Region region_;                             // the method is not Auto
+  const Turn turn_;
+  const SynthesisWatch& watch_;
+  Monitor& monitor_;
+  TextureOptions options_;
+  std::unique_ptr<RegionField> own_;  // where none is kept
+  std::unique_ptr<RegionField>& field_;
+  const RegionPoints& part_;
+};
+
 }  // namespace
 
-RegionResult synthesizeRegion(const Document& document, const Region& region,
-                              const SynthesisWatch& watch, Monitor& monitor) {
-  const PreparedScan& prepared = document.scan->prepared;
-  RegionResult out;
-  out.points = pointsOf(document, region.id);
-  const std::size_t m = out.points.size();
-  checkReady(region, m);
-  std::shared_ptr<const SwatchAnalysis> analysis;
-  const TextureOptions options = resolvedOptions(document, region, m, analysis, monitor);
-  const std::size_t k = std::min(static_cast<std::size_t>(options.neighbours), m - 1);
-  const bool whole = m == document.size();
-  if (whole) out.points.clear();
-  PointSet own;
-  if (!whole) own = takenOut(document.points(), out.points);
-  const PointSet& points = whole ? document.points() : own;
-  Neighborhoods fewer;
-  if (whole && k < prepared.neighborhoods.k)
-    fewer = nearest(prepared.neighborhoods, k);
-  else if (m >= kFewestPoints && (!whole || k > prepared.neighborhoods.k))
-    fewer = buildNeighborhoods(points.positions, k, monitor);
-  const bool scans = whole && k == prepared.neighborhoods.k;
-  const Neighborhoods& neighborhoods = scans ? prepared.neighborhoods : fewer;
-  const std::vector<Stroke> strokes = strokesWithin(region.strokes, out.points);
-  const std::vector<Index> starts = startsOf(strokes);
-  std::vector<TangentFrame> frames =
-      std::move(directionsOf(points, neighborhoods, strokes, options, monitor).frames);
-  rotate(frames, region.rotation);
-  const auto source = sourceOf(region, prepared.spacing * static_cast<float>(options.scale));
-  source->options = options;
-  source->analysis = analysis;
-  SynthesisResult result = synthesize({.points = points,
-                                       .neighborhoods = neighborhoods,
-                                       .swatch = *region.swatch,
-                                       .frames = frames,
-                                       .unit = source->unit,
-                                       .starts = starts},
-                                      options, monitor);
-  source->statistics = result.statistics;
-  noteBlends(result.map, out.points, *source);
-  out.map = std::move(result.map);
-  out.source = source;
-  if (watch.ends) watch.ends(out.map);
-  return out;
-}
-
-std::vector<RegionResult> synthesizeRegions(const Document& document,
-                                            const std::vector<RegionId>& regions,
+std::vector<RegionResult> synthesizeRegions(const Document& document, const RegionsAsked& asked,
                                             const SynthesisWatch& watch, Monitor& monitor) {
+  const std::vector<RegionId>& regions = asked.regions;
   std::vector<std::vector<Index>> points;
   std::size_t total = 0, before = 0;
   for (const RegionId id : regions) {
@@ -292,9 +300,10 @@ std::vector<RegionResult> synthesizeRegions(const Document& document,
     const Region& region = *findRegion(document, regions[r]);
     checkReady(region, points[r].size());
     if (watch.begins) watch.begins(points[r], before, total);
+    const Turn turn{before, total, asked.onlyChanged, asked.field};
     before += points[r].size();
     try {
-      results.push_back(synthesizeRegion(document, region, watch, monitor));
+      results.push_back(RegionSynthesis(document, region, turn, watch, monitor).run());
     } catch (const Cancelled&) {
       if (!watch.keepsDone || !watch.keepsDone()) throw;
       RegionResult partial = partialResult(document, region, points[r], watch.shown());
@@ -323,16 +332,7 @@ Document withoutResults(const Document& document, std::optional<RegionId> region
   OpenColumns columns(document);
   const std::vector<Index> points = pointsOf(document, *region);
   const std::vector<vec3>& own = document.points().colours;
-  for (const Index i : points) {
-    columns.touched[i] = true;
-    columns.source[i] = kNoSource;
-    columns.texel[i] = vec2(0);
-    columns.frame[i] = {};
-    columns.colour[i] = own.empty() ? kBare : own[i];
-    columns.state[i] = PointState::Free;
-    columns.patch[i] = columns.order[i] = kNone;
-    columns.error[i] = 0;
-  }
+  for (const Index i : points) columns.clear(i, own.empty() ? kBare : own[i]);
   out.results = columns.close();
   out.results = withoutLostTerms(out);
   return out;

@@ -1,11 +1,8 @@
-// Synthesis of one region and its way into the results.
-//
-// synthesize() colours all points that it is given. A region that is not the whole scan is
-// therefore taken out as a point set of its own, with neighbourhoods of its own (points across the
-// border would pull its pattern towards theirs), and its map is scattered back.
+// Synthesis of regions, each as a point set of its own, and its way into the results.
 #pragma once
 
 #include "document/apply.h"
+#include "document/region_field.h"
 
 namespace dapple {
 
@@ -15,15 +12,18 @@ struct RegionResult {
   std::shared_ptr<const ResultSource> source;
 };
 
-// A region of fewer than 9 points is projected along the axes: there is nothing to match. Throws
-// InvalidInput when the region is locked, has no points or no swatch; Cancelled.
-RegionResult synthesizeRegion(const Document& document, const Region& region,
-                              const SynthesisWatch& watch, Monitor& monitor);
+struct RegionsAsked {
+  const std::vector<RegionId>& regions;
+  bool onlyChanged = false;  // Synthesize::onlyChanged
+  // With onlyChanged: of the region that was synthesized last; takes this one's. May be null.
+  std::unique_ptr<RegionField>* field = nullptr;
+};
 
-// Regions one after another. When the monitor is stopped and `watch` keeps what is done, what has
-// been shown until then is the last result, and partial.
-std::vector<RegionResult> synthesizeRegions(const Document& document,
-                                            const std::vector<RegionId>& regions,
+// Regions one after another. A region of fewer than 9 points is projected along the axes: there is
+// nothing to match. When the monitor is stopped and `watch` keeps what is done, what has
+// been shown until then is the last result, and partial. Throws InvalidInput when a region is
+// locked, has no points or no swatch; Cancelled.
+std::vector<RegionResult> synthesizeRegions(const Document& document, const RegionsAsked& asked,
                                             const SynthesisWatch& watch, Monitor& monitor);
 
 // The document with these results in place of what their points had.

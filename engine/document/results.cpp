@@ -58,6 +58,7 @@ Results resultsOf(const SourceMap& map, const ResultSource& source) {
   out.source = column(std::vector<std::uint16_t>(map.texel.size(), 0));
   out.texel = column(map.texel);
   out.frame = column(map.frame);
+  if (!map.scale.empty()) out.scale = column(map.scale);
   out.colour = column(map.colour);
   out.state = column(map.state);
   out.patch = column(map.patch);

@@ -91,6 +91,7 @@ struct Results {
   Column<std::uint16_t> source;  // position in sources; kNoSource: never synthesized
   Column<vec2> texel;
   Column<TangentFrame> frame;
+  Column<float> scale;  // of the swatch, times its source's unit; null: 1 everywhere
   Column<vec3> colour;  // never synthesized: the scan's own, or kBare
   Column<PointState> state;
   Column<Index> patch;

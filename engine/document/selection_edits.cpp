@@ -39,7 +39,7 @@ Document combined(const Document& document, PointMask mask, SelectMode mode) {
   return withSelection(document, std::move(mask));
 }
 
-PointGraph graphOf(const Document& document) {
+LinkedPoints graphOf(const Document& document) {
   needScan(document);
   return {document.points(), document.scan->prepared.neighborhoods};
 }
@@ -73,7 +73,7 @@ Document edited(const Document& document, const SelectConnected& command, Monito
 }
 
 Document edited(const Document& document, const SelectWand& command, Monitor& monitor) {
-  const PointGraph graph = graphOf(document);
+  const LinkedPoints graph = graphOf(document);
   WandOptions options = command.wand;
   if (options.by == WandBy::Distance) options.threshold *= document.scan->prepared.spacing;
   const std::vector<vec3>& own = document.points().colours;
@@ -83,7 +83,7 @@ Document edited(const Document& document, const SelectWand& command, Monitor& mo
 }
 
 Document edited(const Document& document, const GrowSelection& command, Monitor& monitor) {
-  const PointGraph graph = graphOf(document);
+  const LinkedPoints graph = graphOf(document);
   checkSteps(command.steps);
   PointMask mask = selected(document);
   for (int step = 0; step < command.steps; ++step) mask = grown(graph, mask, monitor);
@@ -91,7 +91,7 @@ Document edited(const Document& document, const GrowSelection& command, Monitor&
 }
 
 Document edited(const Document& document, const ShrinkSelection& command, Monitor& monitor) {
-  const PointGraph graph = graphOf(document);
+  const LinkedPoints graph = graphOf(document);
   checkSteps(command.steps);
   PointMask mask = selected(document);
   for (int step = 0; step < command.steps; ++step) mask = shrunk(graph, mask, monitor);

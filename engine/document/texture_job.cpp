@@ -83,16 +83,18 @@ PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& o
   return out;
 }
 
+FieldOptions fieldOptionsOf(const TextureOptions& options) {
+  return {.method = options.field,
+          .symmetry = options.symmetry,
+          .creases = options.creases,
+          .up = options.up,
+          .seed = options.seed};
+}
+
 OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
                               std::span<const Stroke> strokes, const TextureOptions& options,
                               Monitor& monitor) {
-  return orientPoints(points, neighborhoods, strokes,
-                      {.method = options.field,
-                       .symmetry = options.symmetry,
-                       .creases = options.creases,
-                       .up = options.up,
-                       .seed = options.seed},
-                      monitor);
+  return orientPoints(points, neighborhoods, strokes, fieldOptionsOf(options), monitor);
 }
 
 TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
@@ -102,19 +104,20 @@ TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
   Stopwatch watch;
   const PointSet& points = prepared.scan.points;
   TexturedPoints out;
-  out.frames =
-      std::move(directionsOf(points, prepared.neighborhoods, strokes, options, monitor).frames);
+  OrientationField field = directionsOf(points, prepared.neighborhoods, strokes, options, monitor);
   const float unit = prepared.spacing * static_cast<float>(options.scale);
   const std::vector<Index> starts = startsOf(strokes);
   const SynthesisInput input{.points = points,
                              .neighborhoods = prepared.neighborhoods,
                              .swatch = swatch,
-                             .frames = out.frames,
+                             .frames = field.frames,
                              .unit = unit,
+                             .scale = field.scale,
                              .starts = starts};
   SynthesisResult result = synthesize(input, options, monitor);
   out.map = std::move(result.map);
   out.statistics = result.statistics;
+  out.frames = std::move(field.frames);
   out.seconds = watch.lap();
   return out;
 }
@@ -139,7 +142,8 @@ TextureScore scorePoints(const PreparedScan& prepared, const ScoreRequest& reque
                        .swatch = request.swatch,
                        .unit = request.unit,
                        .map = request.map,
-                       .directions = request.frames ? &directions : nullptr},
+                       .directions = request.frames ? &directions : nullptr,
+                       .scale = request.scale},
                       {}, monitor);
 }
 

@@ -34,6 +34,9 @@ using TakePoints = std::function<void(const PointSet&)>;
 PreparedScan prepareScan(const std::filesystem::path& path, const LoadOptions& options,
                          int neighbours, const TakePoints& loaded, Monitor& monitor);
 
+// The part of them that a field of directions is found by.
+FieldOptions fieldOptionsOf(const TextureOptions& options);
+
 // The directions that a synthesis with these options follows. Throws InvalidInput, Cancelled.
 OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
                               std::span<const Stroke> strokes, const TextureOptions& options,
@@ -60,6 +63,7 @@ struct ScoreRequest {
   float unit = 0;  // local units per swatch pixel
   const SourceMap* map = nullptr;
   const std::vector<TangentFrame>* frames = nullptr;  // directions for the oriented figures
+  std::span<const float> scale = {};                  // n, times the unit; empty: 1 everywhere
 };
 // The measure of a result (methods: section 8). Throws InvalidInput, Cancelled.
 TextureScore scorePoints(const PreparedScan& prepared, const ScoreRequest& request,

@@ -1,8 +1,8 @@
 // The columns: swatch (int, a number each; -1: none), texel_x texel_y (float, swatch pixels, y
 // down), frame_sx ... frame_tz (float: the swatch's axes to the right and up, model directions),
-// patch (int, -1: none), state (uchar: 0 free, 1 patch, 2 gap, 3 matched), error (float), order
-// (int, -1: never decided); read only: region (any integer, -1: none). The comment: "dapple unit
-// U", U model units per swatch pixel.
+// scale (float, of the swatch; where it is not 1 everywhere), patch (int, -1: none), state (uchar:
+// 0 free, 1 patch, 2 gap, 3 matched), error (float), order (int, -1: never decided); read only:
+// region (any integer, -1: none). The comment: "dapple unit U", U model units per swatch pixel.
 #include "document/textured_scan.h"
 
 #include <algorithm>
@@ -45,6 +45,10 @@ void addFrames(Element& vertices, const Scan& scan, const std::vector<TangentFra
                      [&](Index i) { return c < 3 ? frames[i].s[c] : frames[i].t[c - 3]; });
 }
 
+void addScale(Element& vertices, const Scan& scan, const std::vector<float>& scale) {
+  addColumn<float>(vertices, scan, "scale", 1, [&](Index i) { return scale[i]; });
+}
+
 void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map,
                   std::span<const std::uint16_t> source) {
   addColumn<std::int32_t>(vertices, scan, "swatch", -1, [&](Index i) {
@@ -54,6 +58,7 @@ void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map,
   addColumn<float>(vertices, scan, "texel_x", 0, [&](Index i) { return map.texel[i].x; });
   addColumn<float>(vertices, scan, "texel_y", 0, [&](Index i) { return map.texel[i].y; });
   addFrames(vertices, scan, map.frame);
+  if (!map.scale.empty()) addScale(vertices, scan, map.scale);
   addColumn<std::int32_t>(vertices, scan, "patch", -1,
                           [&](Index i) { return signedId(map.patch[i]); });
   addColumn<std::uint8_t>(vertices, scan, "state", 0,
@@ -108,8 +113,7 @@ RecordTable orientedTable(const Scan& scan, const OrientationField& field) {
   Element* vertices = table.find("vertex");
   DAPPLE_CHECK(vertices != nullptr, ==, true);
   addFrames(*vertices, scan, field.frames);
-  if (!field.scale.empty())
-    addColumn<float>(*vertices, scan, "scale", 1, [&](Index i) { return field.scale[i]; });
+  if (!field.scale.empty()) addScale(*vertices, scan, field.scale);
   return table;
 }
 
@@ -147,6 +151,11 @@ std::optional<SourceMap> readSourceMap(const Scan& scan) {
     map.state[i] = static_cast<PointState>(std::clamp((*state)[i], 0.0, 3.0));
     map.error[i] = static_cast<float>((*error)[i]);
     map.order[i] = idOf((*order)[i]);
+  }
+  if (const auto scale = pointColumn(scan, "scale")) {
+    const auto usable = [](double s) { return s > 0 && std::isfinite(s); };
+    if (std::all_of(scale->begin(), scale->end(), usable))
+      map.scale.assign(scale->begin(), scale->end());
   }
   map.colour = scan.points.colours;
   return map;

@@ -43,7 +43,7 @@ std::vector<vec3> smoothed(const Neighborhoods& neighborhoods, std::span<const v
 
 class Segmenter {
  public:
-  Segmenter(const PointGraph& graph, std::span<const vec3> colours, std::size_t parts,
+  Segmenter(const LinkedPoints& graph, std::span<const vec3> colours, std::size_t parts,
             Monitor& monitor)
       : graph_(graph), monitor_(monitor), links_(linksOf(graph.neighborhoods)), parts_(parts) {
     measureLinks(colours);
@@ -166,7 +166,7 @@ class Segmenter {
     return out;
   }
 
-  const PointGraph& graph_;
+  const LinkedPoints& graph_;
   Monitor& monitor_;
   const std::size_t links_;
   const std::size_t parts_;
@@ -176,7 +176,7 @@ class Segmenter {
 
 }  // namespace
 
-std::vector<std::uint8_t> segment(const PointGraph& graph, std::span<const vec3> colours,
+std::vector<std::uint8_t> segment(const LinkedPoints& graph, std::span<const vec3> colours,
                                   const SegmentOptions& options, Monitor& monitor) {
   if (options.parts < 1 || options.parts > kMostParts)
     throw InvalidInput(fmt::format("parts: {} is outside 1 to {}; give a number between",

@@ -29,6 +29,7 @@ struct FieldOptions {
   Creases creases = Creases::Carry;              // Smooth, Spread and Diffuse
   vec3 up{0, 1, 0};                              // local axes, any length > 0
   std::uint64_t seed = 1;                        // Random
+  bool operator==(const FieldOptions&) const = default;
 };
 
 // Points whose normals differ by more are on either side of a crease (Creases::Break).

@@ -16,12 +16,12 @@ constexpr std::size_t kGrain = 64 * 256;  // points; whole words of a mask
 constexpr std::size_t kCheckpointEvery = 4096;
 constexpr std::size_t kSeedSample = 8;  // neighbours that are averaged with the seed
 
-bool linked(const PointGraph& graph, Index i, Index j) {
+bool linked(const LinkedPoints& graph, Index i, Index j) {
   return glm::dot(graph.points.normals[i], graph.points.normals[j]) > 0;
 }
 
 // Calls add(i, mask) for all points in parallel; each call may change its own point's bit only.
-PointMask gathered(const PointGraph& graph, Monitor& monitor,
+PointMask gathered(const LinkedPoints& graph, Monitor& monitor,
                    const std::function<bool(Index)>& holds) {
   PointMask out(graph.points.size());
   parallelFor(monitor, graph.points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -32,7 +32,7 @@ PointMask gathered(const PointGraph& graph, Monitor& monitor,
 }
 
 // Links run in both directions: those that a point has, and those that others have to it.
-PointMask withLinked(const PointGraph& graph, const PointMask& mask, Monitor& monitor) {
+PointMask withLinked(const LinkedPoints& graph, const PointMask& mask, Monitor& monitor) {
   const std::size_t links = linksOf(graph.neighborhoods);
   PointMask out = gathered(graph, monitor, [&](Index i) {
     if (mask.has(i)) return true;
@@ -52,7 +52,7 @@ PointMask withLinked(const PointGraph& graph, const PointMask& mask, Monitor& mo
 // All that hangs together with `seed` among the points of `allowed`.
 class Flood {
  public:
-  Flood(const PointGraph& graph, const PointMask& allowed, Monitor& monitor)
+  Flood(const LinkedPoints& graph, const PointMask& allowed, Monitor& monitor)
       : graph_(graph),
         allowed_(allowed),
         monitor_(monitor),
@@ -94,7 +94,7 @@ class Flood {
     reached_ |= more;
   }
 
-  const PointGraph& graph_;
+  const LinkedPoints& graph_;
   const PointMask& allowed_;
   Monitor& monitor_;
   const std::size_t links_;
@@ -102,14 +102,14 @@ class Flood {
   std::vector<Index> front_;
 };
 
-void checkSeed(const PointGraph& graph, Index seed) {
+void checkSeed(const LinkedPoints& graph, Index seed) {
   if (seed >= graph.points.size())
     throw InvalidInput(
         fmt::format("there is no point {}: the scan has {} points", seed, graph.points.size()));
 }
 
 // Mean around a point, so that one noisy point does not decide.
-vec3 meanAround(const PointGraph& graph, std::span<const vec3> column, Index seed) {
+vec3 meanAround(const LinkedPoints& graph, std::span<const vec3> column, Index seed) {
   vec3 sum = column[seed];
   std::size_t count = 1;
   const auto near = graph.neighborhoods.of(seed);
@@ -118,7 +118,7 @@ vec3 meanAround(const PointGraph& graph, std::span<const vec3> column, Index see
   return sum / static_cast<float>(count);
 }
 
-PointMask alike(const PointGraph& graph, std::span<const vec3> colours, Index seed,
+PointMask alike(const LinkedPoints& graph, std::span<const vec3> colours, Index seed,
                 const WandOptions& options, Monitor& monitor) {
   if (options.by == WandBy::Distance) {
     const std::vector<float> distance =
@@ -143,12 +143,12 @@ PointMask alike(const PointGraph& graph, std::span<const vec3> colours, Index se
 
 }  // namespace
 
-PointMask grown(const PointGraph& graph, const PointMask& mask, Monitor& monitor) {
+PointMask grown(const LinkedPoints& graph, const PointMask& mask, Monitor& monitor) {
   DAPPLE_CHECK(mask.size(), ==, graph.points.size());
   return withLinked(graph, mask, monitor);
 }
 
-PointMask shrunk(const PointGraph& graph, const PointMask& mask, Monitor& monitor) {
+PointMask shrunk(const LinkedPoints& graph, const PointMask& mask, Monitor& monitor) {
   PointMask rest = mask;
   rest.invert();
   rest = grown(graph, rest, monitor);
@@ -156,13 +156,13 @@ PointMask shrunk(const PointGraph& graph, const PointMask& mask, Monitor& monito
   return rest;
 }
 
-PointMask connectedTo(const PointGraph& graph, Index seed, Monitor& monitor) {
+PointMask connectedTo(const LinkedPoints& graph, Index seed, Monitor& monitor) {
   checkSeed(graph, seed);
   const PointMask all(graph.points.size(), true);
   return Flood(graph, all, monitor).from(seed);
 }
 
-PointMask wand(const PointGraph& graph, std::span<const vec3> colours, Index seed,
+PointMask wand(const LinkedPoints& graph, std::span<const vec3> colours, Index seed,
                const WandOptions& options, Monitor& monitor) {
   checkSeed(graph, seed);
   if (!(options.threshold >= 0 && std::isfinite(options.threshold)))

@@ -12,19 +12,19 @@ namespace dapple {
 
 // A scan whose points are linked to their 12 nearest, in both directions, unless their normals look
 // away from each other: so that nothing leaks through a thin sheet.
-struct PointGraph {
+struct LinkedPoints {
   const PointSet& points;  // with normals
   const Neighborhoods& neighborhoods;
 };
 
 // With every point that is linked to one of the mask.
-PointMask grown(const PointGraph& graph, const PointMask& mask, Monitor& monitor);
+PointMask grown(const LinkedPoints& graph, const PointMask& mask, Monitor& monitor);
 
 // Without every point that is linked to one outside of the mask.
-PointMask shrunk(const PointGraph& graph, const PointMask& mask, Monitor& monitor);
+PointMask shrunk(const LinkedPoints& graph, const PointMask& mask, Monitor& monitor);
 
 // All that hangs together with `seed`.
-PointMask connectedTo(const PointGraph& graph, Index seed, Monitor& monitor);
+PointMask connectedTo(const LinkedPoints& graph, Index seed, Monitor& monitor);
 
 enum class WandBy {
   Normal,   // angle to the normal around the seed, degrees
@@ -40,12 +40,12 @@ struct WandOptions {
 
 // Points that are like the seed. `colours` (n) is what Colour compares. Throws InvalidInput when it
 // is empty and asked for, or the threshold is not a number of 0 or more.
-PointMask wand(const PointGraph& graph, std::span<const vec3> colours, Index seed,
+PointMask wand(const LinkedPoints& graph, std::span<const vec3> colours, Index seed,
                const WandOptions& options, Monitor& monitor);
 
 // Length of the shortest way along the links from any of the seeds, local units (n); infinite
 // beyond `limit`.
-std::vector<float> surfaceDistances(const PointGraph& graph, std::span<const Index> seeds,
+std::vector<float> surfaceDistances(const LinkedPoints& graph, std::span<const Index> seeds,
                                     float limit, Monitor& monitor);
 
 struct SegmentOptions {
@@ -56,7 +56,7 @@ struct SegmentOptions {
 // changes (k-medoids under a distance along the surface to which every crease and change adds).
 // `colours` may be empty. Scraps that hang together with nothing join the nearest part. Throws
 // InvalidInput, Cancelled.
-std::vector<std::uint8_t> segment(const PointGraph& graph, std::span<const vec3> colours,
+std::vector<std::uint8_t> segment(const LinkedPoints& graph, std::span<const vec3> colours,
                                   const SegmentOptions& options, Monitor& monitor);
 
 }  // namespace dapple

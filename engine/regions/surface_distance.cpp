@@ -18,7 +18,7 @@ constexpr float kStep = 0.3f;                  // mean spacings: little is enter
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
 // Width of a bucket, a speed and not a precision: from the spacing of some of the points.
-float stepOf(const PointGraph& graph) {
+float stepOf(const LinkedPoints& graph) {
   constexpr std::size_t kAsked = 4096;
   const std::size_t n = graph.points.size(), every = std::max<std::size_t>(1, n / kAsked);
   const double perDistance =
@@ -36,7 +36,7 @@ float stepOf(const PointGraph& graph) {
 // times as fast, as ways back towards the sources are not measured.
 class PlainWays {
  public:
-  PlainWays(const PointGraph& graph, float limit)
+  PlainWays(const LinkedPoints& graph, float limit)
       : near_(graph.neighborhoods),
         positions_(graph.points.positions),
         normals_(graph.points.normals),
@@ -154,7 +154,7 @@ std::size_t linksOf(const Neighborhoods& neighborhoods) {
   return std::min(kLinks, neighborhoods.k);
 }
 
-SurfaceWays::SurfaceWays(const PointGraph& graph, const std::vector<float>& lengths)
+SurfaceWays::SurfaceWays(const LinkedPoints& graph, const std::vector<float>& lengths)
     : graph_(graph),
       lengths_(lengths),
       links_(linksOf(graph.neighborhoods)),
@@ -236,7 +236,7 @@ void SurfaceWays::run(float limit, Monitor& monitor) {
   } while (followLinksOfOthers(limit, monitor));
 }
 
-std::vector<float> surfaceDistances(const PointGraph& graph, std::span<const Index> seeds,
+std::vector<float> surfaceDistances(const LinkedPoints& graph, std::span<const Index> seeds,
                                     float limit, Monitor& monitor) {
   for (const Index seed : seeds) DAPPLE_CHECK(seed, <, graph.points.size());
   return PlainWays(graph, limit).run(seeds, monitor);

@@ -18,7 +18,7 @@ std::size_t linksOf(const Neighborhoods& neighborhoods);
 class SurfaceWays {
  public:
   // `lengths` (n x linksOf): of each link. All must outlive this.
-  SurfaceWays(const PointGraph& graph, const std::vector<float>& lengths);
+  SurfaceWays(const LinkedPoints& graph, const std::vector<float>& lengths);
 
   // Points closer to `source` than to all before take `label`.
   void add(Index source, Index label);
@@ -34,7 +34,7 @@ class SurfaceWays {
   bool followLinksOfOthers(float limit, Monitor& monitor);
   float length(std::size_t i, std::size_t link) const { return lengths_[i * links_ + link]; }
 
-  const PointGraph graph_;
+  const LinkedPoints graph_;
   const std::vector<float>& lengths_;
   const std::size_t links_;
   float step_;  // width of a bucket: a speed, not a precision

@@ -24,7 +24,7 @@ void projectTriplanar(const SynthesisInput& input, SourceMap& map, Monitor& moni
       monitor, n, kGrain,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          const vec3 p = input.points.positions[i] / input.unit;
+          const vec3 p = input.points.positions[i] / input.unitAt(i);
           const vec3 square = input.points.normals[i] * input.points.normals[i];
           const vec3 weight = square * square / (glm::dot(square, square) + 1e-20f);
           const vec2 plane[3] = {{p.z, -p.y}, {p.x, -p.z}, {p.x, -p.y}};

@@ -30,12 +30,12 @@ constexpr float kOpposed = 1e-4f;  // squared, of the sum of two directions: the
 constexpr float kShortest = 1e-3f;  // of a unit: nearer neighbours weigh no more
 
 // What every contributor says: the transfer of Appendix A.
-DAPPLE_CLONES void carryAll(ChartColumns& columns, std::size_t count, float unit) {
-  const float shortest = unit * kShortest, perUnit = 1 / unit;
+DAPPLE_CLONES void carryAll(ChartColumns& columns, std::size_t count) {
   float *dx = columns.dx.data(), *dy = columns.dy.data(), *dz = columns.dz.data(),
         *nx = columns.nx.data(), *ny = columns.ny.data(), *nz = columns.nz.data(),
         *tx = columns.tx.data(), *ty = columns.ty.data(), *tz = columns.tz.data(),
-        *qx = columns.qx.data(), *qy = columns.qy.data(), *weight = columns.weight.data();
+        *qx = columns.qx.data(), *qy = columns.qy.data(), *unit = columns.unit.data(),
+        *weight = columns.weight.data();
   count = paddedToLanes(count);
 #pragma GCC ivdep
   for (std::size_t i = 0; i < count; ++i) {
@@ -53,7 +53,7 @@ DAPPLE_CLONES void carryAll(ChartColumns& columns, std::size_t count, float unit
                 sz = tx[i] * ny[i] - ty[i] * nx[i];
     const float alongS = vx * sx + vy * sy + vz * sz;
     const float alongT = vx * tx[i] + vy * ty[i] + vz * tz[i];
-    const float stretch = length * perUnit * perC;
+    const float stretch = length / unit[i] * perC;
     qx[i] += stretch * alongS;
     qy[i] -= stretch * alongT;
     const float fx = (nx[i] - h * vx) * perC, fy = (ny[i] - h * vy) * perC,
@@ -65,7 +65,8 @@ DAPPLE_CLONES void carryAll(ChartColumns& columns, std::size_t count, float unit
     ty[i] = twin ? ty[i] : (alongT * vy + alongS * my) * perC;
     tz[i] = twin ? tz[i] : (alongT * vz + alongS * mz) * perC;
     nx[i] = fx, ny[i] = fy, nz[i] = fz;
-    weight[i] = perC > 0.f ? unit / (length > shortest ? length : shortest) : 0.f;
+    const float shortest = unit[i] * kShortest;
+    weight[i] = perC > 0.f ? unit[i] / (length > shortest ? length : shortest) : 0.f;
   }
 }
 
@@ -153,14 +154,11 @@ ChartFit::ChartFit(std::size_t capacity, float unit) : unit_(unit) {
   for (const auto column : ChartColumns::kAll) (columns_.*column).resize(paddedToLanes(capacity));
 }
 
-void ChartFit::begin(const vec3& position) {
+void ChartFit::begin(const vec3& position, const SynthesisInput& input, Index i) {
   position_ = position;
+  scale_ = input.scaleAt(i);
   symmetry_ = 0;
   count_ = 0;
-}
-
-void ChartFit::begin(const vec3& position, const SynthesisInput& input, Index i) {
-  begin(position);
   if (!input.follow) return;
   wanted_ = input.frames[i];
   symmetry_ = input.symmetry;
@@ -173,6 +171,7 @@ void ChartFit::add(const ChartSite& neighbour) {
   columns_.nx[c] = neighbour.n.x, columns_.ny[c] = neighbour.n.y, columns_.nz[c] = neighbour.n.z;
   columns_.tx[c] = neighbour.t.x, columns_.ty[c] = neighbour.t.y, columns_.tz[c] = neighbour.t.z;
   columns_.qx[c] = neighbour.q.x, columns_.qy[c] = neighbour.q.y;
+  columns_.unit[c] = unit_ * 0.5f * (scale_ + neighbour.scale);
   patch_[c] = neighbour.patch;
 }
 
@@ -192,7 +191,7 @@ void ChartFit::steer() {
 
 void ChartFit::finish() {
   if (symmetry_ > 0) steer();
-  carryAll(columns_, count_, unit_);
+  carryAll(columns_, count_);
   filter([&](std::size_t i) { return columns_.weight[i] > 0; });
 }
 

@@ -16,6 +16,7 @@ struct alignas(64) ChartSite {
   vec3 n{0}, t{0};   // the chart's axes, carried along; s = t x n
   vec2 q{0};         // flattened position, swatch pixels, y down
   Index patch = kNone;
+  float scale = 1;  // SynthesisInput::scale
 };
 
 // A point as its contributors place it.
@@ -31,12 +32,14 @@ struct ChartColumns {
   std::vector<float> dx, dy, dz;              // step from the contributor to the point
   std::vector<float> nx, ny, nz, tx, ty, tz;  // its axes, then carried to the point
   std::vector<float> qx, qy;                  // its position, then the point's, pixels
+  std::vector<float> unit;                    // local units per pixel between it and the point
   std::vector<float> weight;
 
   static constexpr std::vector<float> ChartColumns::*kAll[] = {
-      &ChartColumns::dx, &ChartColumns::dy, &ChartColumns::dz, &ChartColumns::nx,
-      &ChartColumns::ny, &ChartColumns::nz, &ChartColumns::tx, &ChartColumns::ty,
-      &ChartColumns::tz, &ChartColumns::qx, &ChartColumns::qy, &ChartColumns::weight};
+      &ChartColumns::dx,    &ChartColumns::dy, &ChartColumns::dz, &ChartColumns::nx,
+      &ChartColumns::ny,    &ChartColumns::nz, &ChartColumns::tx, &ChartColumns::ty,
+      &ChartColumns::tz,    &ChartColumns::qx, &ChartColumns::qy, &ChartColumns::unit,
+      &ChartColumns::weight};
 };
 
 // What neighbours say about where one point lies.
@@ -45,9 +48,8 @@ class ChartFit {
   // For at most `capacity` contributors; `unit` local units are one swatch pixel.
   ChartFit(std::size_t capacity, float unit);
 
-  // Starts the fit of a point at `position`.
-  void begin(const vec3& position);
-  // The same of point i, whose axes are to be those of `input` where that says so.
+  // Starts the fit of point i, laid out as if it were at `position`; its axes are to be those of
+  // `input` where that says so.
   void begin(const vec3& position, const SynthesisInput& input, Index i);
   void add(const ChartSite& neighbour);  // a contributor
   void finish();                         // computes what every contributor says; drops steep ones
@@ -72,6 +74,7 @@ class ChartFit {
 
   float unit_;
   vec3 position_{0};
+  float scale_ = 1;
   // That the chart's t should have here and its symmetry; 0: as the neighbours carry it.
   TangentFrame wanted_;
   int symmetry_ = 0;

@@ -57,6 +57,11 @@ struct Paste {
   std::vector<GridPoint> points;  // that take their colours from it, the centre first
 };
 
+float largestUnit(const SynthesisInput& input) {
+  if (input.scale.empty()) return input.unit;
+  return input.unit * *std::max_element(input.scale.begin(), input.scale.end());
+}
+
 class GridMatcher {
  public:
   GridMatcher(const SynthesisInput& input, const GridOptions& options, SourceMap& map,
@@ -68,7 +73,7 @@ class GridMatcher {
         level_(levelOf(input)),
         search_(input.swatch, level_, kPhases),
         reader_(input.swatch, level_),
-        apart_(2 * GridNeighborhood::reachOf(options.size, input.unit)),
+        apart_(2 * GridNeighborhood::reachOf(options.size, largestUnit(input))),
         known_(input.points.size()),
         scratch_([this] { return std::make_unique<Scratch>(input_, options_); }) {}
 
@@ -120,7 +125,8 @@ class GridMatcher {
 };
 
 int GridMatcher::levelOf(const SynthesisInput& input) {
-  const double pixels = meanSpacing(input.neighborhoods, input.points.positions) / input.unit;
+  const double pixels =
+      meanSpacing(input.neighborhoods, input.points.positions) / meanUnit(input.unit, input.scale);
   const int last = static_cast<int>(input.swatch.stack.size()) - 1;
   return std::clamp(static_cast<int>(std::lround(std::log2(pixels))), 0, last);
 }
@@ -320,7 +326,7 @@ void GridMatcher::recolour() {
   parallelFor(monitor_, spacing.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       map_.colour[i] =
-          sampleSwatch(input_.swatch, map_.texel[i], filterLevel(spacing[i], input_.unit));
+          sampleSwatch(input_.swatch, map_.texel[i], filterLevel(spacing[i], input_.unitAt(i)));
   });
 }
 

@@ -32,7 +32,6 @@ GridNeighborhood::GridNeighborhood(const SynthesisInput& input, int size, int ne
       positions_(input.chart ? *input.chart : input.points.positions),
       size_(size),
       neighbours_(static_cast<std::size_t>(neighbours)),
-      reach_(reachOf(size, input.unit)),
       stamp_(input.points.size(), kNone),
       nodes_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size)),
       nodeDistance2_(nodes_.size()) {
@@ -50,19 +49,22 @@ bool GridNeighborhood::covers(const GridPoint& point) const {
 }
 
 void GridNeighborhood::gather(Index centre) {
-  walk(centre);
+  walk(centre, reachOf(size_, input_.unitAt(centre)));
   if (neighbours_ > 0 && met_.size() > neighbours_ + 1) keepNearest(centre);
   const TangentFrame& frame = input_.frames[centre];
   ChartSite site;
   site.position = positions_[centre];
-  site.n = frame.n, site.t = frame.t;
+  site.n = frame.n, site.t = frame.t, site.scale = input_.scaleAt(centre);
   points_.clear();
-  for (const Index i : met_) points_.push_back({i, carriedPlace(site, positions_[i], input_.unit)});
+  for (const Index i : met_) {
+    const float scale = 0.5f * (site.scale + input_.scaleAt(i));
+    points_.push_back({i, carriedPlace(site, positions_[i], input_.unit * scale)});
+  }
   fillNodes();
 }
 
 // All within reach of the centre, from neighbour to neighbour on its side of the surface.
-void GridNeighborhood::walk(Index centre) {
+void GridNeighborhood::walk(Index centre, float reach) {
   const vec3 normal = input_.points.normals[centre], position = positions_[centre];
   const std::size_t links = std::min(kLinks, input_.neighborhoods.k);
   if (++call_ == kNone) std::fill(stamp_.begin(), stamp_.end(), kNone), call_ = 0;
@@ -72,7 +74,7 @@ void GridNeighborhood::walk(Index centre) {
     for (const Index j : input_.neighborhoods.of(met_[m]).first(links)) {
       if (stamp_[j] == call_) continue;
       stamp_[j] = call_;
-      if (!(distanceBetween(position, positions_[j]) <= reach_)) continue;
+      if (!(distanceBetween(position, positions_[j]) <= reach)) continue;
       if (glm::dot(normal, input_.points.normals[j]) > 0) met_.push_back(j);
     }
 }

@@ -36,7 +36,7 @@ class GridNeighborhood {
   bool covers(const GridPoint& point) const;
 
  private:
-  void walk(Index centre);
+  void walk(Index centre, float reach);
   void keepNearest(Index centre);
   void fillNodes();
 
@@ -44,7 +44,6 @@ class GridNeighborhood {
   const std::vector<vec3>& positions_;
   const int size_;
   const std::size_t neighbours_;
-  const float reach_;
   std::vector<Index> stamp_;  // n: the last call that met the point
   Index call_ = 0;
   std::vector<Index> met_;

@@ -112,6 +112,7 @@ class Covers {
     ChartSite site;
     site.position = input_.chart ? (*input_.chart)[i] : input_.points.positions[i];
     site.normal = site.n = input_.points.normals[i];
+    site.scale = input_.scaleAt(i);
     site.t = transported(frame.t, frame.n, site.n);
     site.q = cover.offset;
     site.patch = cover.patch;

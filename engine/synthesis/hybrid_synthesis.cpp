@@ -47,7 +47,7 @@ class FrameSpreader {
         key_(map.state.size(), 0) {
     for (Index i = 0; i < sites_.size(); ++i) {
       sites_[i].position = input.chart ? (*input.chart)[i] : input.points.positions[i],
-      sites_[i].normal = input.points.normals[i];
+      sites_[i].normal = input.points.normals[i], sites_[i].scale = input.scaleAt(i);
       sites_[i].n = map.frame[i].n, sites_[i].t = map.frame[i].t;
       sites_[i].patch = map.state[i] == PointState::Patch ? map.patch[i] : kNone;
     }

@@ -35,6 +35,7 @@ void store(const MatchSite& site, SiteBlock& block, std::size_t a) {
     block.t[c][a] = site.t[c];
   }
   block.placeX[a] = site.place.x, block.placeY[a] = site.place.y;
+  block.fineness[a] = site.fineness;
 }
 
 // The transfer of [Zhang] section 3, q = L (V.S, V.T) / cos with V of unit length, seen from both
@@ -42,7 +43,7 @@ void store(const MatchSite& site, SiteBlock& block, std::size_t a) {
 DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::size_t count,
                                SiteBlock& block) {
   const vec3 p = from.position, s = from.s, t = from.t, n = glm::cross(s, t);
-  const float half = 0.5f * pixelsPerUnit;
+  const float half = 0.5f * pixelsPerUnit, halfHere = half * from.fineness;
   for (std::size_t a = 0; a < paddedToLanes(count); ++a) {
     const float vx = block.position[0][a] - p.x, vy = block.position[1][a] - p.y,
                 vz = block.position[2][a] - p.z;
@@ -53,8 +54,8 @@ DAPPLE_CLONES void fillOffsets(const MatchSite& from, float pixelsPerUnit, std::
     const float length2 = std::max(vx * vx + vy * vy + vz * vz, kTwin);
     const float here = vx * n.x + vy * n.y + vz * n.z, there = vx * nx + vy * ny + vz * nz;
     const float flatHere = 1 - here * here / length2, flatThere = 1 - there * there / length2;
-    const float scaleHere = half / std::sqrt(std::max(flatHere, kGrazing));
-    const float scaleThere = half / std::sqrt(std::max(flatThere, kGrazing));
+    const float scaleHere = halfHere / std::sqrt(std::max(flatHere, kGrazing));
+    const float scaleThere = half * block.fineness[a] / std::sqrt(std::max(flatThere, kGrazing));
     const float x =
         (vx * s.x + vy * s.y + vz * s.z) * scaleHere + (vx * sx + vy * sy + vz * sz) * scaleThere;
     const float y =
@@ -97,6 +98,7 @@ MatchingLevel::MatchingLevel(const Input& input, bool searching)
     sites_[i].position = in_.positions[i];
     sites_[i].s = in_.frames[i].s;
     sites_[i].t = in_.frames[i].t;
+    if (!in_.scale.empty()) sites_[i].fineness = 1 / in_.scale[i];
   }
   const int layers = in_.coarse != nullptr ? 2 : 1;
   if (layers == 2) coarseReader_ = std::make_unique<TexelReader>(in_.swatch, in_.stackLevel + 1);

@@ -18,6 +18,7 @@ struct alignas(64) MatchSite {
   vec3 position{0}, s{0}, t{0};  // axes as in TangentFrame
   vec2 place{0};                 // texel - 0.5
   vec3 colour{0};                // on the swatch level that belongs to this level
+  float fineness = 1;            // 1 / SynthesisInput::scale
   bool known = false;
 };
 
@@ -39,7 +40,7 @@ struct MatchChoice {
 struct SiteBlock {
   static constexpr std::size_t kSize = 64;
   float position[3][kSize] = {}, s[3][kSize] = {}, t[3][kSize] = {};
-  float placeX[kSize] = {}, placeY[kSize] = {};
+  float placeX[kSize] = {}, placeY[kSize] = {}, fineness[kSize] = {};
   // Offsets, pixels, and the places predicted for the point in the middle.
   float x[kSize] = {}, y[kSize] = {}, predictedX[kSize] = {}, predictedY[kSize] = {};
   std::int32_t seen[kSize] = {};  // 0: faces away or out of sight; after clustering 0 for all
@@ -66,6 +67,7 @@ class MatchingLevel {
   struct Input {
     std::span<const vec3> positions;
     std::span<const TangentFrame> frames;
+    std::span<const float> scale;  // empty: 1
     const Neighborhoods& neighborhoods;
     std::span<const Index> parent;  // empty at the coarsest level
     const MatchingLevel* coarse;    // null at the coarsest level

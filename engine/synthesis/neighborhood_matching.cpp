@@ -92,6 +92,7 @@ class Matcher {
   int levelCount() const;
   int visitsAgain(int l) const;
   MatchRules rulesOf(int l, bool again) const;
+  void scaleLevels();
   void markFixed();
   void planWork();
   void addLevel(int l);
@@ -110,8 +111,9 @@ class Matcher {
   Monitor& monitor_;
   std::vector<HierarchyLevel> hierarchy_;  // empty with one level
   std::vector<std::unique_ptr<MatchingLevel>> levels_;
-  std::vector<std::vector<bool>> fixed_;  // by level: coloured before
-  int baseLevel_ = 0;                     // of the swatch's stack at level 0
+  std::vector<std::vector<float>> coarseScale_;  // by level from 1 on: as SynthesisInput::scale
+  std::vector<std::vector<bool>> fixed_;         // by level: coloured before
+  int baseLevel_ = 0;                            // of the swatch's stack at level 0
   std::unique_ptr<WorkMeter> meter_;
   std::vector<float> errors_;  // of level 0
   std::vector<Index> order_;   // of level 0
@@ -127,7 +129,8 @@ class Matcher {
 int Matcher::levelCount() const {
   if (in_.swatch.tileable) return options_.levels;
   // A neighbourhood must fit into the swatch with room to move.
-  const double pixels = meanSpacing(in_.neighborhoods, in_.points.positions) / in_.unit;
+  const double pixels =
+      meanSpacing(in_.neighborhoods, in_.points.positions) / meanUnit(in_.unit, in_.scale);
   const double room = kSmallestShare * std::min(in_.swatch.width, in_.swatch.height);
   int levels = options_.levels;
   while (levels > 1 && std::ldexp(pixels, levels - 1) > room) --levels;
@@ -150,6 +153,21 @@ MatchRules Matcher::rulesOf(int l, bool again) const {
   if (again && l < top) rules.exhaustive = false;
   rules.bonus = 1 + std::ldexp(kCoherenceBonus, -l);
   return rules;
+}
+
+// A hierarchy point has the mean scale of its children.
+void Matcher::scaleLevels() {
+  coarseScale_.resize(std::max<std::size_t>(1, hierarchy_.size()));
+  if (in_.scale.empty()) return;
+  for (std::size_t l = 1; l < hierarchy_.size(); ++l) {
+    const std::span<const float> fine = l == 1 ? in_.scale : coarseScale_[l - 1];
+    for (const auto& children : hierarchy_[l].children) {
+      float sum = 0, count = 0;
+      for (const Index child : children)
+        if (child != kNone) sum += fine[child], ++count;
+      coarseScale_[l].push_back(sum / count);
+    }
+  }
 }
 
 // A hierarchy point is coloured when all its children are.
@@ -191,6 +209,7 @@ void Matcher::addLevel(int l) {
       MatchingLevel::Input{
           .positions = l == 0 ? in_.points.positions : hierarchy_[l].positions,
           .frames = l == 0 ? map_.frame : hierarchy_[l].frames,
+          .scale = l == 0 ? in_.scale : std::span<const float>(coarseScale_[l]),
           .neighborhoods = l == 0 ? in_.neighborhoods : hierarchy_[l].neighborhoods,
           .parent =
               single ? std::span<const Index>() : std::span<const Index>(hierarchy_[l].parent),
@@ -400,7 +419,7 @@ void Matcher::write() {
     for (std::size_t i = begin; i < end; ++i) {
       if (fixed_[0][i]) continue;
       colours[i] = sampleSwatch(in_.swatch, levels_[0]->sites()[i].place + 0.5f,
-                                filterLevel(spacing[i], in_.unit));
+                                filterLevel(spacing[i], in_.unitAt(i)));
     }
   });
   // From here on nothing may stop: the map is changed as a whole or not at all.
@@ -435,11 +454,13 @@ MatchingStatistics Matcher::run() {
     hierarchy_ = buildHierarchy(in_.points, map_.frame, in_.neighborhoods, wanted, monitor_);
     if (hierarchy_.size() == 1) hierarchy_.clear();
   }
+  scaleLevels();
   markFixed();
   errors_.assign(in_.points.size(), 0);
   order_.assign(in_.points.size(), kNone);
-  baseLevel_ = std::max(0, static_cast<int>(std::lround(std::log2(
-                               meanSpacing(in_.neighborhoods, in_.points.positions) / in_.unit))));
+  const double pixels =
+      meanSpacing(in_.neighborhoods, in_.points.positions) / meanUnit(in_.unit, in_.scale);
+  baseLevel_ = std::max(0, static_cast<int>(std::lround(std::log2(pixels))));
   const int count = static_cast<int>(fixed_.size());
   statistics_.levels = count;
   levels_.resize(fixed_.size());

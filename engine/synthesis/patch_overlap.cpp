@@ -81,6 +81,7 @@ class OverlapGrower {
       for (std::size_t i = begin; i < end; ++i) {
         ChartSite& site = sites_[i];
         site.position = positions_[i], site.normal = input_.points.normals[i];
+        site.scale = input_.scaleAt(i);
         site.n = map_.frame[i].n, site.t = map_.frame[i].t, site.q = map_.domain[i];
         site.patch = map_.state[i] == PointState::Patch ? map_.patch[i] : kNone;
         places_[i] = {site.q, site.patch};
@@ -90,8 +91,9 @@ class OverlapGrower {
 
   bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
 
-  float distanceTo(Index from, Index to) const {
-    return distanceBetween(input_.points.positions[from], input_.points.positions[to]);
+  float pixelsTo(Index from, Index to) const {
+    return distanceBetween(input_.points.positions[from], input_.points.positions[to]) /
+           input_.unitAt(from);
   }
 
   // True for a patch point with a neighbour that is not plainly next to it in the patch.
@@ -99,7 +101,7 @@ class OverlapGrower {
     const Place& place = places_[i];
     if (place.patch == kNone) return false;
     const auto near = input_.neighborhoods.of(i);
-    const float within = kCoherentPixels + distanceTo(i, near[steps_ - 1]) / input_.unit;
+    const float within = kCoherentPixels + pixelsTo(i, near[steps_ - 1]);
     for (std::size_t s = 0; s < steps_; ++s) {
       const Place& other = places_[near[s]];
       if (other.patch != place.patch || !nearPlaces(other.q, place.q, within)) return true;
@@ -137,10 +139,12 @@ class OverlapGrower {
     const auto near = input_.neighborhoods.of(i);
     for (std::size_t s = 0; s < steps_; ++s) {
       const Index j = near[s];
-      const float reach = reach_[c] + distanceTo(i, j) / input_.unit;
+      const float reach = reach_[c] + pixelsTo(i, j);
       if (!(reach <= overlap_)) return;
       if (!sameSide(i, j)) continue;
-      const vec2 q = carriedPlace(from, sites_[j].position, input_.unit);
+      // Where kept patches meet they stay cut as they are.
+      if (from.patch < input_.keptPatches() && input_.isKept(j)) continue;
+      const vec2 q = carriedPlace(from, sites_[j], input_.unit);
       if (!has(j, from.patch, q)) steps.push_back({j, from.patch, q, reach});
     }
   }
@@ -201,7 +205,7 @@ class OverlapGrower {
     fit.begin(sites_[step.to].position, input_, step.to);
     for (std::size_t s = 0; s < fitted_; ++s) {
       const Index j = near[s];
-      const float within = kSteepest * distanceTo(step.to, j) / input_.unit + kCoherentPixels;
+      const float within = kSteepest * pixelsTo(step.to, j) + kCoherentPixels;
       for (Index c = j; c != kNone; c = places_[c].next)
         if (places_[c].patch == step.patch && nearPlaces(places_[c].q, step.q, within) &&
             glm::dot(normal, sites_[c].normal) > 0)

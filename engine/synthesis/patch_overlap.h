@@ -25,7 +25,7 @@ struct PatchOverlap {
 inline constexpr float kCoherentPixels = 1.5f;  // places further apart belong to different sheets
 
 // Where `from` puts the point at `position`, in the domain of its patch: the step along the plane,
-// stretched to its length in space, as in chart_fit.cpp.
+// stretched to its length in space, as in chart_fit.cpp. `unit` local units are a pixel on the way.
 inline vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit) {
   const vec3 step = position - from.position;
   const vec3 s = glm::cross(from.t, from.n);
@@ -33,6 +33,11 @@ inline vec2 carriedPlace(const ChartSite& from, const vec3& position, float unit
   const float flat2 = along * along + up * up, length2 = glm::dot(step, step);
   if (!(flat2 > 1e-4f * length2)) return from.q;
   return from.q + std::sqrt(length2 / flat2) / unit * vec2(along, -up);
+}
+
+// The same of where `to` lies, whose scale may differ; `unit` is that of SynthesisInput.
+inline vec2 carriedPlace(const ChartSite& from, const ChartSite& to, float unit) {
+  return carriedPlace(from, to.position, unit * 0.5f * (from.scale + to.scale));
 }
 
 // Grows over at most `overlap` pixels. `map` as growPatches() leaves it. Gap points that no patch

@@ -106,10 +106,11 @@ class PatchRoom {
 };
 
 // Every point as a chart sees it, on no patch yet, at its smoothed or own position.
-std::vector<ChartSite> chartSites(const PointSet& points, const std::vector<vec3>& positions) {
-  std::vector<ChartSite> sites(points.size());
+std::vector<ChartSite> chartSites(const SynthesisInput& input, const std::vector<vec3>& positions) {
+  std::vector<ChartSite> sites(input.points.size());
   for (std::size_t i = 0; i < sites.size(); ++i)
-    sites[i].position = positions[i], sites[i].normal = points.normals[i];
+    sites[i].position = positions[i], sites[i].normal = input.points.normals[i],
+    sites[i].scale = input.scaleAt(i);
   return sites;
 }
 
@@ -121,17 +122,18 @@ class Grower {
         map_(map),
         monitor_(monitor),
         reverse_(reverseNeighborhoods(input.neighborhoods, monitor)),
-        sites_(chartSites(input.points,
-                          input.chart ? *input.chart
-                          : options.smooth
-                              ? smoothedPositions(input.points, input.neighborhoods, monitor)
-                              : input.points.positions)),
+        sites_(chartSites(input, input.chart ? *input.chart
+                                 : options.smooth
+                                     ? smoothedPositions(input.points, input.neighborhoods, monitor)
+                                     : input.points.positions)),
         room_(input.swatch, options.sizeLimit),
         fit_(input.neighborhoods.k, input.unit) {
     const std::size_t n = input.points.size();
-    map_.domain.assign(n, vec2(0));
+    map_.domain.resize(n, vec2(0));
     fronts_.resize(n);
     contributors_.resize(input.neighborhoods.k);
+    for (Index i = 0; i < n; ++i)
+      if (input.isKept(i)) keep(i);
   }
 
   PatchStatistics run() {
@@ -154,7 +156,7 @@ class Grower {
   bool sameSide(Index i, Index j) const { return glm::dot(sites_[i].normal, sites_[j].normal) > 0; }
 
   void growFrom(Index start) {
-    const Index patch = static_cast<Index>(statistics_.patches);
+    const Index patch = static_cast<Index>(map_.placement.size());
     if (touchesPatch(start)) return markGap(start);
     ++statistics_.patches;
     room_.open(options_.seed, patch);
@@ -202,13 +204,24 @@ class Grower {
       fronts_[i].refusedBy = patch;
   }
 
-  void accept(Index i, Index patch, const ChartPoint& fitted) {
+  // What a point is to its neighbours once it is on a patch.
+  void join(Index i, Index patch, vec2 q, const TangentFrame& frame) {
     sites_[i].patch = patch;
-    sites_[i].q = fitted.q;
-    sites_[i].n = fitted.frame.n;
-    sites_[i].t = fitted.frame.t;
+    sites_[i].q = q;
+    sites_[i].n = frame.n;
+    sites_[i].t = frame.t;
     fronts_[i].patch = patch;
     fronts_[i].decided = true;
+  }
+
+  void keep(Index i) {
+    join(i, map_.patch[i], map_.domain[i], map_.frame[i]);
+    for (const Index j : reverse_.of(i)) ++fronts_[j].key;
+    ++decided_;
+  }
+
+  void accept(Index i, Index patch, const ChartPoint& fitted) {
+    join(i, patch, fitted.q, fitted.frame);
     map_.state[i] = PointState::Patch;
     map_.patch[i] = patch;
     map_.domain[i] = fitted.q;
@@ -297,7 +310,7 @@ class GapBlender {
       : input_(input),
         map_(map),
         monitor_(monitor),
-        sites_(chartSites(input.points, input.points.positions)),
+        sites_(chartSites(input, input.points.positions)),
         fit_(input.neighborhoods.k, input.unit) {
     for (std::size_t i = 0; i < sites_.size(); ++i)
       if (map.state[i] == PointState::Patch)

@@ -36,7 +36,9 @@ class Placer {
         search_(input.swatch, 0, kPhases),
         meetings_(map.placement.size()),
         boxes_(map.placement.size()),
-        placed_(map.placement.size(), 0) {}
+        placed_(map.placement.size(), 0) {
+    std::fill_n(placed_.begin(), input.keptPatches(), std::uint8_t{1});
+  }
 
   std::size_t run() {
     findMeetings();
@@ -64,16 +66,20 @@ class Placer {
     }
   }
 
-  // Patches in the order of their overlap with those placed before; the first of all, and the first
-  // of every part of the surface that overlaps no other, stay where they are.
+  // Patches in the order of their overlap with those placed before; those that are kept, else the
+  // first of all, and the first of every part of the surface that overlaps no other, stay where
+  // they are.
   // Moving them again once all are placed was measured to gain nothing.
   void placeAll() {
     std::vector<std::size_t> known(placed_.size(), 0);  // meetings with placed patches
     // Most known first, then smallest id; entries that are out of date are skipped.
     std::priority_queue<std::pair<std::size_t, Index>> queue;
     const Index last = static_cast<Index>(placed_.size() - 1);
-    for (Index p = 0; p <= last; ++p) queue.push({0, last - p});
-    for (std::size_t step = 0; step < placed_.size(); ++step) {
+    const auto kept = static_cast<Index>(input_.keptPatches());
+    for (Index p = 0; p < kept; ++p)
+      for (const Meeting& m : meetings_[p]) ++known[overlap_.site[m.other].patch];
+    for (Index p = kept; p <= last; ++p) queue.push({known[p], last - p});
+    for (std::size_t step = kept; step < placed_.size(); ++step) {
       const Index best = takeBest(queue, known);
       if (known[best] > 0) place(best);
       placed_[best] = 1;

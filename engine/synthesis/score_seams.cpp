@@ -42,7 +42,7 @@ Edges edgesOf(const ScoreInput& input, Index i) {
     const float length = glm::length(flat);
     // The surface is curved: keep the distance, not its shadow on the plane.
     const float stretch = length > 0 ? glm::length(V) / length : 0.0f;
-    edges.offset[edges.count] = flat * (stretch / input.unit);
+    edges.offset[edges.count] = flat * (2 * stretch / (input.unitAt(i) + input.unitAt(j)));
     edges.source[edges.count] = texelDifference(input.swatch, map.texel[j], map.texel[i]);
     edges.id[edges.count++] = j;
   }

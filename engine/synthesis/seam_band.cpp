@@ -88,7 +88,7 @@ class BandMatcher {
         if (!seen[i]) continue;
         ChartSite& site = sites_[i];
         site.position = input_.chart ? (*input_.chart)[i] : input_.points.positions[i];
-        site.normal = input_.points.normals[i];
+        site.normal = input_.points.normals[i], site.scale = input_.scaleAt(i);
         site.n = map_.frame[i].n, site.t = map_.frame[i].t;
         site.q = map_.domain[i], site.patch = map_.patch[i];
         looks_[i] = lookAt(texelOf(site.patch, site.q));
@@ -111,15 +111,20 @@ class BandMatcher {
     return glm::dot(input_.points.normals[i], input_.points.normals[j]) > 0;
   }
 
-  float distanceTo(Index from, Index to) const {
-    return distanceBetween(input_.points.positions[from], input_.points.positions[to]);
+  float pixelsTo(Index from, Index to) const {
+    return distanceBetween(input_.points.positions[from], input_.points.positions[to]) /
+           input_.unitAt(from);
   }
+
+  // As it was before: the seams between such points have been mended.
+  bool isKept(Index i) const { return input_.isKept(i) && map_.patch[i] < input_.keptPatches(); }
 
   bool atSeam(Index i) const {
     const auto near = input_.neighborhoods.of(i);
     for (std::size_t s = 0; s < near_; ++s) {
       const Index j = near[s];
-      const float within = kCoherentPixels + distanceTo(i, j) / input_.unit;
+      if (isKept(i) && isKept(j)) continue;
+      const float within = kCoherentPixels + pixelsTo(i, j);
       const vec2 step = map_.domain[j] - map_.domain[i];
       const bool goesOn = map_.patch[j] == map_.patch[i] && glm::dot(step, step) <= within * within;
       if (!goesOn && sameSide(i, j)) return true;
@@ -144,7 +149,7 @@ class BandMatcher {
       const Index i = reached[r];
       for (std::size_t s = 0; s < near_; ++s) {
         const Index j = input_.neighborhoods.of(i)[s];
-        const float far = distance[r] + distanceTo(i, j) / input_.unit;
+        const float far = distance[r] + pixelsTo(i, j);
         if (far > options_.width || inside[j] || !sameSide(i, j)) continue;
         inside[j] = 1;
         reached.push_back(j), distance.push_back(far);
@@ -194,7 +199,7 @@ class BandMatcher {
       const Index j = input_.neighborhoods.of(i)[s];
       if (!sameSide(i, j)) continue;
       const ChartSite& from = sites_[j];
-      const vec2 q = carriedPlace(from, sites_[i].position, input_.unit);
+      const vec2 q = carriedPlace(from, sites_[i], input_.unit);
       const auto same = [&](const ChartSite& other) {
         return other.patch == from.patch && glm::length(other.q - q) < kMerge;
       };
@@ -219,7 +224,7 @@ class BandMatcher {
     for (std::size_t s = 0; s < terms_; ++s) {
       const Index k = input_.neighborhoods.of(i)[s];
       if (!sameSide(i, k)) continue;
-      const vec2 q = carriedPlace(candidate, sites_[k].position, input_.unit);
+      const vec2 q = carriedPlace(candidate, sites_[k], input_.unit);
       const Look look = lookAt(texelOf(candidate.patch, q));
       for (int l = 0; l < kLevels; ++l) {
         const Float4 d = look.level[l] - looks_[k].level[l];

@@ -208,7 +208,7 @@ class Builder {
                         &backward = graph_.edges[pair.backward];
     const Index i = graph_.point[pair.low], j = graph_.point[pair.high];
     const float pixels =
-        glm::length(input_.points.positions[i] - input_.points.positions[j]) / input_.unit;
+        glm::length(input_.points.positions[i] - input_.points.positions[j]) / input_.unitAt(i);
     forward.length = backward.length =
         static_cast<std::uint16_t>(std::min(pixels * kLengthSteps, 65535.0f));
     const Index mine = graph_.first[i], theirs = graph_.first[j];
@@ -245,7 +245,7 @@ class Builder {
     for (Index b = graph_.first[j]; b < graph_.first[j + 1]; ++b) {
       const ChartSite& to = siteOf(b);
       if (to.patch != from.patch) continue;
-      if (!carried) q = carriedPlace(from, to.position, input_.unit), carried = true;
+      if (!carried) q = carriedPlace(from, to, input_.unit), carried = true;
       const vec2 d = to.q - q;
       const float distance2 = glm::dot(d, d);
       if (distance2 < least)

@@ -2,6 +2,13 @@
 
 namespace dapple {
 
+float meanUnit(float unit, std::span<const float> scale) {
+  if (scale.empty()) return unit;
+  double sum = 0;
+  for (const float s : scale) sum += double{s};
+  return unit * static_cast<float>(sum / static_cast<double>(scale.size()));
+}
+
 SourceMap emptySourceMap(std::size_t n, float unit) {
   SourceMap map;
   map.unit = unit;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "base/monitor.h"
@@ -42,6 +43,9 @@ struct SourceMap {
 inline float filterLevel(float spacing, float unit) {
   return std::log2(std::max(1.0f, spacing / unit));
 }
+
+// The mean over points of the unit times their scale.
+float meanUnit(float unit, std::span<const float> scale);
 
 // A map of n free points.
 SourceMap emptySourceMap(std::size_t n, float unit);

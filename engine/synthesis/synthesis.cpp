@@ -51,6 +51,11 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
 
 }  // namespace
 
+bool keepsPoints(const TextureOptions& options) {
+  return options.method == Method::Hybrid || options.method == Method::Patches ||
+         options.method == Method::Match;
+}
+
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
                            Monitor& monitor) {
   SynthesisInput input = given;
@@ -59,7 +64,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   input.symmetry = foldsOf(options.symmetry);
   const std::size_t n = input.points.size();
   monitor.begin(Stage::Synthesis, n, passesOf(options));
-  SynthesisResult result{.map = emptySourceMap(n, input.unit)};
+  SynthesisResult result{.map = input.kept ? *input.kept : emptySourceMap(n, input.unit)};
   result.map.scale.assign(input.scale.begin(), input.scale.end());
   SourceMap& map = result.map;
   DAPPLE_CHECK(options.method == Method::Auto, ==, false);
@@ -79,7 +84,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       blendGaps(input, map, monitor);
       break;
     case Method::Match:
-      map.frame = input.frames;
+      if (!input.kept) map.frame = input.frames;
       matchNeighborhoods(input, matchingOptions(options), map, monitor);
       break;
     case Method::Grid:

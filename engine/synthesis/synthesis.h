@@ -20,6 +20,9 @@ struct SynthesisResult {
   SynthesisStatistics statistics;
 };
 
+// Methods that take SynthesisInput::kept.
+bool keepsPoints(const TextureOptions& options);
+
 // Colours every point. Progress counts points. The same bytes at any number of threads. Throws
 // InvalidInput, Cancelled.
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,

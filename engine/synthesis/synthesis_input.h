@@ -6,6 +6,7 @@
 #include "points/neighborhoods.h"
 #include "points/point_set.h"
 #include "swatch/swatch.h"
+#include "synthesis/source_map.h"
 
 namespace dapple {
 
@@ -23,9 +24,16 @@ struct SynthesisInput {
   int symmetry = 1;  // of the swatch: it looks the same turned by whole turns / symmetry; 1, 2, 4
   // Where synthesis begins (grid only); empty: by the seed.
   std::span<const Index> starts = {};
+  // The points whose state is not Free have their texel already; the others are to suit them.
+  // Patches of the kept points are as growPatches() leaves them. Null: nothing is kept. For the
+  // methods of keepsPoints() only.
+  const SourceMap* kept = nullptr;
 
-  // Local units per swatch pixel at point i.
-  float unitAt(std::size_t i) const { return scale.empty() ? unit : unit * scale[i]; }
+  float scaleAt(std::size_t i) const { return scale.empty() ? 1 : scale[i]; }
+  float unitAt(std::size_t i) const { return unit * scaleAt(i); }
+  bool isKept(std::size_t i) const { return kept && kept->state[i] != PointState::Free; }
+  // The first patches of a map, which stay where they are in the swatch.
+  std::size_t keptPatches() const { return kept ? kept->placement.size() : 0; }
 };
 
 }  // namespace dapple

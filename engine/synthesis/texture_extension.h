@@ -24,6 +24,7 @@ struct ExtensionInput {
   // n each; read where `decided`.
   const std::vector<vec2>& texel;
   const std::vector<TangentFrame>& frame;
+  const std::vector<float>* scale = nullptr;  // times the unit; null: 1 everywhere
 };
 
 // One element for each of the points beyond.

@@ -94,8 +94,8 @@ struct Context {
   std::vector<std::vector<Link>> links{};  // an evaluation point each
 
   // Local units around a centre that the windows of a scale need.
-  float reach(std::size_t scale) const {
-    return static_cast<float>((kReach + kMargin) * ratio * kScales[scale] * input.unit);
+  float reach(std::size_t scale, Index centre) const {
+    return static_cast<float>((kReach + kMargin) * ratio * kScales[scale] * input.unitAt(centre));
   }
 };
 
@@ -154,11 +154,11 @@ Window actualWindow(const Context& context, const WindowSampler& sampler) {
 }
 
 // The same points as a perfect mapping would colour them.
-Window perfectWindow(const Context& context, const WindowSampler& sampler, bool wraps,
+Window perfectWindow(const Context& context, const WindowSampler& sampler, float unit, bool wraps,
                      const Placement& placement) {
   const TexelReader& reader = wraps ? context.wrapped : context.perfect;
   const vec2 size(context.input.swatch.width, context.input.swatch.height);
-  const float perUnit = 1 / context.input.unit;
+  const float perUnit = 1 / unit;
   std::vector<Float4> colours;
   colours.reserve(sampler.samples().size());
   for (const WindowSampler::Sample& sample : sampler.samples()) {
@@ -205,7 +205,8 @@ void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std:
   const ScoreImage& image = judge.image();
   const std::uint64_t seed = hashBits(context.options.seed, judge.number, 17);
   WindowSampler sampler;
-  sampler.place(flat, image.step() * context.input.unit, turnOf(context, judge, e));
+  const float unit = context.input.unitAt(context.centres[e]);
+  sampler.place(flat, image.step() * unit, turnOf(context, judge, e));
   if (!sampler.complete()) return;
   const TurnLimit upright{judge.oriented ? 0.0f : 4.0f};
   const Window actual = actualWindow(context, sampler);
@@ -213,8 +214,8 @@ void gatherWindows(const Context& context, std::span<const FlatPoint> flat, std:
     return image.randomPlacement(upright, seed, 2 * e + draw);
   };
   Placement placement = truth(0);
-  const Window first = perfectWindow(context, sampler, image.wraps(), placement);
-  const Window second = perfectWindow(context, sampler, image.wraps(), truth(1));
+  const Window first = perfectWindow(context, sampler, unit, image.wraps(), placement);
+  const Window second = perfectWindow(context, sampler, unit, image.wraps(), truth(1));
   judge.evaluated[e] = 1;
   judge.codes[e] = judge.coder->encode(actual);
   judge.perfectCodes[e] = judge.coder->encode(first);
@@ -251,7 +252,7 @@ void gather(Context& context, std::vector<Judge>& judges, Monitor& monitor) {
       const Index centre = context.centres[e];
       const bool all = e % kCoarsestShare == 0;
       const auto flat =
-          patch.grow(centre, frameAt(context.input, centre), context.reach(all ? 2 : 1));
+          patch.grow(centre, frameAt(context.input, centre), context.reach(all ? 2 : 1, centre));
       context.links[e] = linksOf(context, patch, flat);
       for (std::size_t j = 0; j < judges.size(); ++j)
         if (all || j % kScales.size() < 2) gatherWindows(context, flat, e, judges[j]);
@@ -273,7 +274,7 @@ std::vector<Placement> continued(const Context& context, const Judge& judge, std
     Placement start;
     start.right = c * from.right - s * from.up;
     start.up = s * from.right + c * from.up;
-    const vec2 p = link.position / context.input.unit;
+    const vec2 p = link.position / context.input.unitAt(context.centres[e]);
     const vec2 way(std::cos(turn) * p.x + std::sin(turn) * p.y,
                    std::cos(turn) * p.y - std::sin(turn) * p.x);
     start.centre = from.centre - way.x * start.right - way.y * start.up;
@@ -389,6 +390,7 @@ struct Thinned {
   PointSet points;
   Neighborhoods neighborhoods;
   std::vector<vec3> colours, directions;
+  std::vector<float> scale;
 
   ScoreInput input(const ScoreInput& full) const {
     return {points,
@@ -397,7 +399,8 @@ struct Thinned {
             full.swatch,
             full.unit,
             nullptr,
-            full.directions ? &directions : nullptr};
+            full.directions ? &directions : nullptr,
+            scale};
   }
 };
 
@@ -409,6 +412,7 @@ Thinned thin(const ScoreInput& full, std::size_t run, std::uint64_t seed, Monito
     thinned.points.normals.push_back(full.points.normals[i]);
     thinned.colours.push_back(full.colours[i]);
     if (full.directions) thinned.directions.push_back((*full.directions)[i]);
+    if (!full.scale.empty()) thinned.scale.push_back(full.scale[i]);
   }
   thinned.neighborhoods = buildNeighborhoods(thinned.points.positions, kNeighbours, monitor);
   return thinned;
@@ -446,7 +450,7 @@ std::vector<Judge> makeJudges(const Context& context,
 // The window figures: `spacing` is that of input.points.
 TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, double spacing,
                           Monitor& monitor) {
-  const double ratio = std::max(1.0, spacing / input.unit);
+  const double ratio = std::max(1.0, spacing / meanUnit(input.unit, input.scale));
   // Where one point stands for several pixels, a perfect mapping reads them all.
   Swatch prefiltered = input.swatch;
   prefiltered.stack.resize(1);
@@ -493,7 +497,8 @@ TextureScore scoreWindows(const ScoreInput& input, const ScoreOptions& options, 
 TextureScore scoreTexture(const ScoreInput& input, const ScoreOptions& options, Monitor& monitor) {
   checkInput(input, options);
   const double spacing = meanSpacing(input.neighborhoods, input.points.positions);
-  const auto run = static_cast<std::size_t>(std::pow(kThinned * input.unit / spacing, 2));
+  const auto run =
+      static_cast<std::size_t>(std::pow(kThinned * meanUnit(input.unit, input.scale) / spacing, 2));
   TextureScore score;
   if (run >= 2 && input.points.size() / run >= kLeastPoints) {
     const Thinned thinned = thin(input, run, options.seed, monitor);

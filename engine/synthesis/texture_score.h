@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/monitor.h"
@@ -23,6 +24,10 @@ struct ScoreInput {
   const SourceMap* map = nullptr;                 // texel, frame, state, patch where there is one
   const std::vector<vec3>* directions = nullptr;  // n, tangents: where the swatch's t should point;
                                                   // needed for the oriented figures
+  std::span<const float> scale = {};              // n, times the unit; empty: 1 everywhere
+
+  // Local units per swatch pixel at point i.
+  float unitAt(std::size_t i) const { return scale.empty() ? unit : unit * scale[i]; }
 };
 
 struct ScoreOptions {
