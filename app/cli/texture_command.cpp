@@ -212,9 +212,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                                         .score = score})
                                     .dump(2) +
                                 "\n");
-  if (common.quiet) return;
-  if (analysis) printChoice(automatic, given);
-  printSummary(a, prepared, textured, score);
+  if (!common.quiet && analysis) printChoice(automatic, given);
+  if (!common.quiet) printSummary(a, prepared, textured, score);
 }
 
 }  // namespace

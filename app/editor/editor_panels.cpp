@@ -45,8 +45,7 @@ ChoiceShown choiceFor(const Document& document, const Region& region) {
   if (region.options.method != Method::Auto || !region.swatch) return {};
   const auto analysis = knownAnalysis(document, region);
   if (!analysis) return {};
-  const AutomaticOptions automatic =
-      chosenOptions(region, *analysis, pointsOf(document, region.id).size());
+  const AutomaticOptions automatic = chosenOptions(document, region, *analysis);
   ChoiceShown shown{.text = choiceText(automatic.options, region.options)};
   for (const auto* lines : {&automatic.reasons, &automatic.warnings})
     for (const std::string& line : *lines)

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "base/errors.h"
+#include "document/automatic_options.h"
 #include "document/region_points.h"
 #include "regions/singularities.h"
 
@@ -15,7 +16,7 @@ std::vector<FieldInputs> inputsOf(const Document& document) {
   for (const Region& region : *document.regions)
     inputs.push_back({.region = region.id,
                       .strokes = region.strokes,
-                      .options = fieldOptionsOf(region.options),
+                      .options = fieldOptionsOf(knownOptions(document, region)),
                       .neighbours = region.options.neighbours,
                       .rotation = region.rotation});
   return inputs;
@@ -38,7 +39,8 @@ struct Found {
 Found find(const Document& document, const FieldInputs& inputs, std::vector<Index> points,
            Monitor& monitor) {
   Found out{.inputs = inputs, .points = std::move(points)};
-  const Region& region = *findRegion(document, inputs.region);
+  Region region = *findRegion(document, inputs.region);
+  region.options.symmetry = inputs.options.symmetry;  // Auto's choice, where there is one
   const RegionPoints part(document, region, monitor);
   const std::vector<TangentFrame> frames =
       std::move(fieldOf(part, region, part.strokes(region), monitor).frames);
@@ -122,9 +124,12 @@ void FieldFinder::follow(const Document& document) {
     const std::lock_guard lock(mutex_);
     if (doneNumber_ != found_) found_ = doneNumber_, field_.swap(done_);
   }
+  const auto& sources = document.results.sources;
+  const void* source = sources.empty() ? nullptr : sources.back().get();
   if (document.scan == followed_.scan && document.labels == followed_.labels &&
-      document.regions == followed_.regions)
+      document.regions == followed_.regions && source == source_)
     return;
+  source_ = source;
   std::vector<FieldInputs> inputs = inputsOf(document);
   const bool same =
       document.scan == followed_.scan && document.labels == followed_.labels && inputs == inputs_;

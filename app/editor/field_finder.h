@@ -71,6 +71,7 @@ class FieldFinder {
   const std::function<void()> ready_;
   // Of the window's thread.
   Document followed_;
+  const void* source_ = nullptr;  // the last result then: it may know what Auto stands for
   std::vector<FieldInputs> inputs_;
   std::uint64_t asked_ = 0, found_ = 0;  // wishes
   std::shared_ptr<const ShownField> field_;

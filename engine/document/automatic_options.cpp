@@ -116,12 +116,22 @@ std::shared_ptr<const SwatchAnalysis> knownAnalysis(const Document& document,
   return nullptr;
 }
 
-AutomaticOptions chosenOptions(const Region& region, const SwatchAnalysis& swatch,
-                               std::size_t points) {
+AutomaticOptions chosenOptions(const Document& document, const Region& region,
+                               const SwatchAnalysis& swatch) {
+  std::size_t points = document.size();
+  if (document.labels)
+    points = static_cast<std::size_t>(
+        std::count(document.labels->begin(), document.labels->end(), region.id));
   return chosenOptions(region.options, {.swatch = swatch,
                                         .points = points,
                                         .strokes = region.strokes && !region.strokes->empty(),
                                         .kept = changedOptions(region.options)});
+}
+
+TextureOptions knownOptions(const Document& document, const Region& region) {
+  if (region.options.method != Method::Auto || !region.swatch) return region.options;
+  const auto analysis = knownAnalysis(document, region);
+  return analysis ? chosenOptions(document, region, *analysis).options : region.options;
 }
 
 std::string choiceText(const TextureOptions& chosen, const TextureOptions& given) {

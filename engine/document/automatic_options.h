@@ -34,9 +34,12 @@ std::vector<std::string> changedOptions(const TextureOptions& options);
 // The analysis of the region's swatch, as far as one of the document's results has it; null: none.
 std::shared_ptr<const SwatchAnalysis> knownAnalysis(const Document& document, const Region& region);
 
-// What Auto stands for in a region of `points` points: what differs from its default is kept.
-AutomaticOptions chosenOptions(const Region& region, const SwatchAnalysis& swatch,
-                               std::size_t points);
+// What Auto stands for in a region of the document: what differs from its default is kept.
+AutomaticOptions chosenOptions(const Document& document, const Region& region,
+                               const SwatchAnalysis& swatch);
+
+// The options of a region, with what Auto stands for as far as its swatch has been analysed.
+TextureOptions knownOptions(const Document& document, const Region& region);
 
 // "hybrid, symmetry 180": the method, and those of its options that differ from their defaults and
 // from `given`.

@@ -23,7 +23,7 @@ TextureOptions resolvedOptions(const Document& document, const Region& region,
   if (options.method != Method::Auto) return options;
   if (!analysis)
     analysis = std::make_shared<const SwatchAnalysis>(analyse(*region.swatch, monitor));
-  return chosenOptions(region, *analysis, points).options;
+  return chosenOptions(document, region, *analysis).options;
 }
 
 std::shared_ptr<ResultSource> sourceOf(const Region& region, float unit) {
