@@ -8,6 +8,7 @@
 #include "base/errors.h"
 #include "base/hash_rng.h"
 #include "fixtures.h"
+#include "synthesis/coordinate_grid.h"
 #include "synthesis/coordinate_relaxation.h"
 #include "synthesis/surface_sites.h"
 
@@ -59,6 +60,37 @@ Image withHole(Image image) {
     }
   return out;
 }
+
+std::vector<Place> identity(int size) {
+  std::vector<Place> places;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      places.push_back({(x << kPlaceBits) + 512, (y << kPlaceBits) + 512});
+  return places;
+}
+
+// A torus whose sites hold random places, on one level.
+struct RandomTorus {
+  static constexpr int kSize = 48;
+  Swatch swatch;
+  PlaceDomain domain;
+  GridSites grid;
+  AppearanceLevel appearance;
+  std::vector<Place> places;
+  std::vector<Appearance> looks;
+
+  RandomTorus(Tileable tileable, int level, Monitor& monitor)
+      : swatch(swatchOf(noise(40), tileable)),
+        domain(swatch),
+        grid(gridSites({kSize << level, kSize << level, true}, level,
+                       appearanceReach(swatch, level))),
+        appearance(makeAppearance(swatch, level, true, monitor)) {
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      places.push_back(domain.random(7, i / 3, 1));  // some agree
+      looks.push_back(appearance.at(places.back()));
+    }
+  }
+};
 
 }  // namespace
 
@@ -153,5 +185,147 @@ TEST_CASE("ways there and back are the same, and quarters are counted") {
       const vec2 expected = first ? vec2(-there.pixels.y, there.pixels.x) : there.pixels;
       REQUIRE(glm::length(across.pixels - expected) < 1e-4f);
     }
+  }
+}
+
+TEST_CASE("on a torus a tileable swatch that is laid on it stays as it is") {
+  Workers workers(2);
+  Monitor monitor(workers);
+  const Swatch swatch = swatchOf(bricks(48));
+  const PlaceDomain domain(swatch);
+  const GridSites grid = gridSites({48, 48, true}, 0, appearanceReach(swatch, 0));
+  const AppearanceLevel appearance = makeAppearance(swatch, 0, false, monitor);
+  std::vector<Place> places = identity(48);
+  const std::vector<Place> before = places;
+  PlaceRelaxation relaxation(grid.sites, appearance, domain, places, monitor);
+  for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) relaxation.updateClass(c, monitor);
+  CHECK(places == before);
+  for (const float error : relaxation.errors(monitor)) REQUIRE(error == 0);
+
+  // One site that was moved goes back to where its neighbours expect it.
+  places[1000] = {512, 512};
+  PlaceRelaxation again(grid.sites, appearance, domain, places, monitor);
+  for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) again.updateClass(c, monitor);
+  CHECK(places == before);
+}
+
+TEST_CASE("frozen sites keep their places") {
+  Workers workers(2);
+  Monitor monitor(workers);
+  RandomTorus torus(Tileable::Yes, 0, monitor);
+  torus.grid.sites.frozen.assign(torus.grid.size(), 0);
+  for (std::size_t i = 0; i < torus.grid.size(); i += 2) torus.grid.sites.frozen[i] = 1;
+  const std::vector<Place> before = torus.places;
+  PlaceRelaxation relaxation(torus.grid.sites, torus.appearance, torus.domain, torus.places,
+                             monitor);
+  CHECK(relaxation.free() == torus.grid.size() / 2);
+  for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) relaxation.updateClass(c, monitor);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < torus.grid.size(); ++i) {
+    if (i % 2 == 0) REQUIRE(torus.places[i] == before[i]);
+    moved += !(torus.places[i] == before[i]);
+  }
+  CHECK(moved > torus.grid.size() / 4);
+}
+
+TEST_CASE("kernels choose what plain code chooses") {
+  Workers workers(1);
+  Monitor monitor(workers);
+  for (const Tileable tileable : {Tileable::Yes, Tileable::No})
+    for (const int level : {0, 1, 2}) {
+      RandomTorus torus(tileable, level, monitor);
+      for (std::size_t w = 0; w < torus.grid.sites.ways.size(); w += 13) {
+        torus.grid.sites.ways[w].x |= 1;  // some neighbours are turned
+        torus.grid.sites.ways[w].y |= w % 2;
+      }
+      UsageMap usage{.columns = 2, .rows = 1, .factor = {1.0f, 1.3f}};
+      usage.toColumn = 1.999f / static_cast<float>(torus.domain.width());
+      const PlaceUpdate update{.sites = torus.grid.sites,
+                               .appearance = torus.appearance,
+                               .domain = torus.domain,
+                               .usage = usage,
+                               .places = torus.places.data(),
+                               .looks = torus.looks.data(),
+                               .merge = 50};
+      std::vector<Index> members(torus.grid.size());
+      for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
+      std::vector<Place> fast(members.size()), plain(members.size());
+      choosePlaces(update, members, fast.data());
+      choosePlaces(update, members, plain.data(), true);
+      CHECK(fast == plain);
+      CHECK(fast != torus.places);
+    }
+}
+
+TEST_CASE("an isotropic swatch is used evenly") {
+  Workers workers(2);
+  Monitor monitor(workers);
+  const Scan scan = plane(160);
+  const Swatch swatch = swatchOf(noise(40));
+  const SourceMap map = synthesized(scan.input(swatch), monitor);
+  std::vector<double> counts(16, 0);
+  for (const vec2& texel : map.texel)
+    counts[static_cast<std::size_t>(texel.y / 10) * 4 + static_cast<std::size_t>(texel.x / 10)] +=
+        1;
+  const double mean = static_cast<double>(map.texel.size()) / 16;
+  double squares = 0;
+  for (const double count : counts) squares += (count - mean) * (count - mean) / (mean * mean);
+  CHECK(squares / 16 < 0.1);  // relative variance; independent draws of whole pieces: about 0.06
+}
+
+TEST_CASE("the swatch keeps its scale where the density changes") {
+  Workers workers(2);
+  Monitor monitor(workers);
+  // A plane whose right half has a sixteenth of the points of the left one.
+  const PointSet ramp = makePlane(1, 1, 1.0f / 128);
+  PointSet uneven;
+  const PointSet sparse = makePlane(1, 1, 1.0f / 32);
+  for (const auto& [from, left] : {std::pair(&ramp, true), std::pair(&sparse, false)})
+    for (const vec3& p : from->positions)
+      if ((p.x < 0.5f) == left) {
+        uneven.positions.push_back(p);
+        uneven.normals.emplace_back(0.0f, 0.0f, 1.0f);
+      }
+  const Scan scan(uneven);
+  for (const float unit : {1.0f / 128, 1.0f / 64, 1.0f / 32}) {
+    const Swatch swatch = swatchOf(noise(40));
+    const SourceMap map = synthesized(scan.input(swatch, unit), monitor);
+    // Links that are copied as they are: most of them, on both sides.
+    double copied[2] = {}, all[2] = {};
+    const SynthesisInput input = scan.input(swatch, unit);
+    const SurfaceWays ways(input);
+    for (Index i = 0; i < scan.points.size(); ++i)
+      for (const Index j : scan.neighborhoods.of(i).first(4)) {
+        vec2 d = map.texel[j] - map.texel[i] - ways.between(i, j).pixels;
+        d -= glm::round(d / 40.0f) * 40.0f;
+        const int side = scan.points.positions[i].x < 0.5f ? 0 : 1;
+        copied[side] += glm::length(d) < 0.5f;
+        ++all[side];
+      }
+    CAPTURE(unit);
+    CHECK(copied[0] / all[0] > 0.75);
+    CHECK(copied[1] / all[1] > 0.4);
+  }
+}
+
+TEST_CASE("a torus is seamless and a plane is not wrapped") {
+  Workers workers(1);
+  Monitor monitor(workers);
+  const Swatch swatch = swatchOf(noise(40), Tileable::No);
+  const PlaceDomain domain(swatch);
+  for (const bool torus : {false, true}) {
+    const auto places = synthesizeGrid(swatch, {60, 52, torus}, {}, monitor);
+    REQUIRE(places.size() == 60 * 52);
+    for (const Place& place : places) REQUIRE(domain.contains(place));
+    const auto colour = [&](int x, int y) {
+      return sampleSwatch(swatch, texelOf(places[static_cast<std::size_t>(y) * 60 + x]));
+    };
+    double across = 0, inside = 0;
+    for (int y = 0; y < 52; ++y) {
+      across += static_cast<double>(glm::distance(colour(59, y), colour(0, y)));
+      for (int x = 1; x < 60; ++x)
+        inside += static_cast<double>(glm::distance(colour(x - 1, y), colour(x, y))) / 59;
+    }
+    CHECK((across < 1.5 * inside) == torus);
   }
 }

@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "base/hash_rng.h"
 #include "base/simd.h"
@@ -137,6 +138,10 @@ Projection principalComponents(const Samples& samples, const PlaceDomain& domain
 
 // By tap and colour, how it adds to each number: eight lanes at once.
 using TapColumns = std::array<std::array<float, kAppearanceNumbers>, kNumbers>;
+struct TapTable {
+  TapColumns columns;
+  std::array<float, kAppearanceNumbers> shifts;  // that bring the mean to 0
+};
 
 // Of what lies at tap (x, y) of a point whose axes are turned to the left by so many quarters, its
 // neighbour sees at (-y, x) of the swatch, once for each quarter.
@@ -146,22 +151,24 @@ int turnedTap(int tap, int quarters) {
   return (y + kTaps) * kSide + x + kTaps;
 }
 
-TapColumns tapColumns(const Projection& projection, int quarters) {
+TapTable tapTable(const Projection& projection, int quarters) {
   const auto weights = tapWeights();
-  TapColumns columns;
+  TapTable table;
   for (int tap = 0; tap < kSide * kSide; ++tap)
     for (int c = 0; c < kColours; ++c)
       for (int d = 0; d < kAppearanceNumbers; ++d)
-        columns[turnedTap(tap, quarters) * kColours + c][d] =
+        table.columns[turnedTap(tap, quarters) * kColours + c][d] =
             projection.unit * projection.basis(d, tap * kColours + c) * weights[tap];
-  return columns;
+  for (int d = 0; d < kAppearanceNumbers; ++d)
+    table.shifts[d] = -projection.unit * projection.mean[d];
+  return table;
 }
 
-DAPPLE_CLONES void projectRow(const Samples& samples, const TapColumns& columns,
-                              const float* shifts, const vec3* centre, std::int32_t count,
-                              Appearance* out) {
-  for (std::int32_t x = 0; x < count; ++x) {
-    Float8 sum = *reinterpret_cast<const Float8*>(shifts);
+DAPPLE_CLONES void projectRow(const Samples& samples, const TapTable& table, const vec3* centre,
+                              std::span<Appearance> out) {
+  const TapColumns& columns = table.columns;
+  for (std::size_t x = 0; x < out.size(); ++x) {
+    Float8 sum = *reinterpret_cast<const Float8*>(table.shifts.data());
     int n = 0;
     for (int ty = -kTaps; ty <= kTaps; ++ty) {
       const vec3* row =
@@ -178,9 +185,7 @@ DAPPLE_CLONES void projectRow(const Samples& samples, const TapColumns& columns,
 
 std::vector<Appearance> project(const Samples& samples, const Projection& projection, int quarters,
                                 const AppearanceLevel& out, Monitor& monitor) {
-  const TapColumns columns = tapColumns(projection, quarters);
-  std::array<float, kAppearanceNumbers> shifts;
-  for (int d = 0; d < kAppearanceNumbers; ++d) shifts[d] = -projection.unit * projection.mean[d];
+  const TapTable table = tapTable(projection, quarters);
   const auto rows = static_cast<std::size_t>(out.rows),
              stride = static_cast<std::size_t>(out.stride);
   std::vector<Appearance> all(rows * stride);
@@ -190,7 +195,7 @@ std::vector<Appearance> project(const Samples& samples, const Projection& projec
                            (y + static_cast<std::size_t>(samples.border)) *
                                static_cast<std::size_t>(samples.stride) +
                            samples.border;
-      projectRow(samples, columns, shifts.data(), centre, out.stride, &all[y * stride]);
+      projectRow(samples, table, centre, {&all[y * stride], stride});
     }
   });
   return all;
@@ -243,12 +248,16 @@ Place PlaceDomain::random(std::uint64_t seed, std::uint64_t id, std::uint64_t sa
           (row << kPlaceBits) + kHalf + below(1 << kPlaceBits, 2)};
 }
 
+std::int32_t appearanceReach(const Swatch& swatch, int level) {
+  const std::int32_t least = std::min(swatch.width, swatch.height) << kPlaceBits;
+  return std::min(kReachSteps << (kPlaceBits + level), least);
+}
+
 AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Monitor& monitor) {
   AppearanceLevel out{.level = level};
   const int perStep = samplesPerStep(swatch, level);
   out.shift = kPlaceBits + level - std::countr_zero(static_cast<unsigned>(perStep));
-  const std::int32_t least = std::min(swatch.width, swatch.height) << kPlaceBits;
-  out.reach = std::min(kReachSteps << (kPlaceBits + level), least);
+  out.reach = appearanceReach(swatch, level);
   out.margin = (out.reach >> out.shift) + 2;
   const auto samplesAlong = [&](int size) {
     return (((size << kPlaceBits) - 1) >> out.shift) + 1 + 2 * out.margin;

@@ -96,6 +96,9 @@ struct AppearanceLevel {
   }
 };
 
+// AppearanceLevel::reach of a level.
+std::int32_t appearanceReach(const Swatch& swatch, int level);
+
 // What of a swatch that does not tile lies beyond its border is its mirror image. Throws Cancelled.
 AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Monitor& monitor);
 

@@ -167,18 +167,6 @@ DAPPLE_CLONES void chooseAll(const PlaceUpdate& update, std::span<const Index> m
 
 }  // namespace
 
-Way wayOf(vec2 pixels, int quarters, int level, std::int32_t reach) {
-  const float toWay = std::ldexp(kPlaceScale, -level);
-  const auto rounded = [](float value) {
-    return static_cast<std::int32_t>(value < 0 ? value - 0.5f : value + 0.5f);
-  };
-  const float farthest = static_cast<float>(reach) / kPlaceScale - 0.01f;
-  if (!(std::abs(pixels.x) < farthest && std::abs(pixels.y) < farthest)) return {kNoWay, 0};
-  const std::int32_t x = rounded(pixels.x * toWay), y = rounded(pixels.y * toWay);
-  return {static_cast<std::int16_t>(2 * x + (quarters & 1)),
-          static_cast<std::int16_t>(2 * y + (quarters >> 1))};
-}
-
 void choosePlaces(const PlaceUpdate& update, std::span<const Index> members, Place* chosen,
                   bool portable) {
   if (!portable) return chooseAll(update, members, chosen);
@@ -192,7 +180,7 @@ float placeError(const PlaceUpdate& update, Index site) {
   gather(update, site, near);
   if (near.count == 0) return 0;
   return static_cast<float>(
-             differences<true>(update.appearance, near, update.places[site], kWorst)) /
+             differences<false>(update.appearance, near, update.places[site], kWorst)) /
          static_cast<float>(near.count);
 }
 

@@ -13,6 +13,8 @@ constexpr std::size_t kSitesPerCell = 16;  // at least; a map of fewer cells say
 constexpr std::size_t kCountEvery = 2;     // classes between two counts
 // Of a step. Mean F of 7 swatches on the bunny with 0.3, 0.1 and 0.05: 0.49, 0.53, 0.56.
 constexpr float kMergeSteps = 0.05f;
+constexpr int kPassesPerLevel = 3, kFirstPasses = 20;
+constexpr float kFinestMerge = 0.15f;
 constexpr float kUsage = 0.5f;  // how much use beyond the fair share counts
 
 template <class Body>
@@ -55,6 +57,10 @@ std::vector<float> expectedShares(const UsageMap& map, const PlaceDomain& domain
 
 }  // namespace
 
+int passesOver(int level, bool first, int quality) {
+  return quality + kPassesPerLevel * level + (first ? kFirstPasses : 0);
+}
+
 PlaceRelaxation::PlaceRelaxation(const SiteLevel& sites, const AppearanceLevel& appearance,
                                  const PlaceDomain& domain, std::vector<Place>& places,
                                  Monitor& monitor)
@@ -85,7 +91,8 @@ PlaceUpdate PlaceRelaxation::update() const {
       .usage = usage_,
       .places = places_.data(),
       .looks = looks_.data(),
-      .merge = static_cast<std::int32_t>(std::ldexp(kMergeSteps * kPlaceScale, sites_.level)),
+      .merge = static_cast<std::int32_t>(
+          std::ldexp((sites_.level == 0 ? kFinestMerge : kMergeSteps) * kPlaceScale, sites_.level)),
   };
 }
 

@@ -9,6 +9,10 @@
 
 namespace dapple {
 
+// Over a level: `quality` over the finest and more over coarser ones; over the first, which starts
+// at random, more still.
+int passesOver(int level, bool first, int quality);
+
 class PlaceRelaxation {
  public:
   // All are kept by reference; `places` (n) are

@@ -2,6 +2,7 @@
 // swatch pixels. Points of a surface, a plane and a torus all come down to this.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,25 @@ inline int quartersOf(Way way) {
 inline Place placesOf(Way way, int level) {
   return {(way.x >> 1) * (1 << level), (way.y >> 1) * (1 << level)};
 }
-// kNoWay when it is longer than `reach` along an axis. `pixels`: x right, y down.
-Way wayOf(vec2 pixels, int quarters, int level, std::int32_t reach);
+// Turns ways in pixels, x right and y down, into a level's. kNoWay when one is longer than `reach`
+// (place units) along an axis.
+class WayScale {
+ public:
+  WayScale(int level, std::int32_t reach)
+      : scale_(std::ldexp(kPlaceScale, -level)),
+        farthest_(static_cast<float>(reach) / kPlaceScale - 0.01f) {}
+  Way operator()(vec2 pixels, int quarters) const {
+    if (!(std::abs(pixels.x) < farthest_ && std::abs(pixels.y) < farthest_)) return {kNoWay, 0};
+    return {static_cast<std::int16_t>(2 * rounded(pixels.x * scale_) + (quarters & 1)),
+            static_cast<std::int16_t>(2 * rounded(pixels.y * scale_) + (quarters >> 1))};
+  }
+
+ private:
+  static std::int32_t rounded(float value) {
+    return static_cast<std::int32_t>(value < 0 ? value - 0.5f : value + 0.5f);
+  }
+  float scale_, farthest_;
+};
 
 struct SiteLevel {
   int level = 0;                     // its step is 2^level pixels
@@ -35,6 +53,7 @@ struct SiteLevel {
   std::size_t stride = 0;            // ids from one site's row to the next one's
   std::span<const Index> ids;        // n x stride
   std::vector<Way> ways;             // n x k
+  bool turned = false;               // some ways have quarters
   std::vector<std::uint8_t> frozen;  // n: keeps its place; empty: none does
 };
 

@@ -13,8 +13,6 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr int kPassesPerLevel = 3;  // more on each coarser level
-constexpr int kFirstPasses = 20;    // more on the coarsest, which starts at random
 constexpr float kUnfiltered =
     1.25f;  // of a pixel: spacing up to which points read the swatch itself
 
@@ -48,8 +46,7 @@ class Synthesizer {
 
  private:
   int passesOf(std::size_t l) const {
-    const bool first = l + 1 == surface_.size();
-    return options_.quality + kPassesPerLevel * surface_[l].level + (first ? kFirstPasses : 0);
+    return passesOver(surface_[l].level, l + 1 == surface_.size(), options_.quality);
   }
 
   std::size_t sizeOf(std::size_t l) const {
@@ -103,9 +100,10 @@ class Synthesizer {
   }
 
   void relax(std::size_t l) {
-    const AppearanceLevel appearance =
-        makeAppearance(in_.swatch, surface_[l].level, true, monitor_);
-    const SiteLevel sites = ways_.sitesOf(surface_[l], appearance.reach, monitor_);
+    const int level = surface_[l].level;
+    const SiteLevel sites =
+        ways_.sitesOf(surface_[l], appearanceReach(in_.swatch, level), monitor_);
+    const AppearanceLevel appearance = makeAppearance(in_.swatch, level, sites.turned, monitor_);
     PlaceRelaxation relaxation(sites, appearance, domain_, places_, monitor_);
     const int passes = passesOf(l);
     for (int pass = 0; pass < passes; ++pass)

@@ -126,24 +126,11 @@ int firstLevel(const SynthesisInput& input) {
   return std::max(0, static_cast<int>(std::floor(std::log2(quantile(spacing, 0.25)) + 0.3f)));
 }
 
-}  // namespace
-
-std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, Monitor& monitor) {
-  std::vector<SurfaceLevel> out(1);
-  out[0].level = std::min(firstLevel(input), levels - 1);
-  Thinning thinning(input, monitor);
-  while (out.back().level + 1 < levels || out.back().level < 0) {
-    SurfaceLevel next = thinning.next(out.back(), out.back().level + 1);
-    if (next.points.empty()) break;
-    out.push_back(std::move(next));
-  }
-  return out;
-}
-
-SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
-  const std::vector<vec3>& positions = in_.chart ? *in_.chart : in_.points.positions;
-  const TangentFrame &a = in_.frames[from], &b = in_.frames[to];
-  Offset out;
+[[gnu::always_inline]] inline SurfaceWays::Offset offsetBetween(const SynthesisInput& input,
+                                                                Index from, Index to) {
+  const std::vector<vec3>& positions = input.chart ? *input.chart : input.points.positions;
+  const TangentFrame &a = input.frames[from], &b = input.frames[to];
+  SurfaceWays::Offset out;
   if (!(glm::dot(a.n, b.n) > 0)) return out;
   const vec3 v = positions[to] - positions[from];
   // (cos, sin) of the angle from a's axes to b's, carried from b's plane to a's by the least
@@ -163,10 +150,28 @@ SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
   if (!(std::min(here2, there2) > kGrazing * kGrazing * length2)) return out;
   // [Zhang], Appendix A: as long as the way through space, along the tangent plane of either end.
   const vec2 direction = here / std::sqrt(here2) + there / std::sqrt(there2);
-  const float scale = std::sqrt(length2) / (in_.unitAt(from) + in_.unitAt(to));
+  const float scale = std::sqrt(length2) / (input.unitAt(from) + input.unitAt(to));
   out.pixels = {direction.x * scale, -direction.y * scale};  // image rows run down
   out.seen = true;
   return out;
+}
+
+}  // namespace
+
+std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, Monitor& monitor) {
+  std::vector<SurfaceLevel> out(1);
+  out[0].level = std::min(firstLevel(input), levels - 1);
+  Thinning thinning(input, monitor);
+  while (out.back().level + 1 < levels || out.back().level < 0) {
+    SurfaceLevel next = thinning.next(out.back(), out.back().level + 1);
+    if (next.points.empty()) break;
+    out.push_back(std::move(next));
+  }
+  return out;
+}
+
+SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
+  return offsetBetween(in_, from, to);
 }
 
 SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
@@ -178,28 +183,31 @@ SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
                 .stride = near.k,
                 .ids = near.ids};
   out.ways.resize(out.size * out.k);
+  const WayScale toWay(surface.level, reach);
   std::vector<std::uint8_t> frozen(out.size, 0);
-  std::atomic<bool> some = false;
+  std::atomic<bool> some = false, turned = false;
+  const float sparse = std::ldexp(kSparse, surface.level);
   const float toSpacing = std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(out.k) + 0.5f));
   parallelFor(monitor, out.size, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index point = pointAt(surface, i);
       const auto row = near.of(i);
       for (std::size_t a = 0; a < out.k; ++a) {
-        const Offset offset = between(point, pointAt(surface, row[a]));
-        out.ways[i * out.k + a] = offset.seen
-                                      ? wayOf(offset.pixels, offset.quarters, surface.level, reach)
-                                      : Way{kNoWay, 0};
+        const Offset offset = offsetBetween(in_, point, pointAt(surface, row[a]));
+        if (offset.seen && offset.quarters != 0) turned = true;
+        out.ways[i * out.k + a] =
+            offset.seen ? toWay(offset.pixels, offset.quarters) : Way{kNoWay, 0};
       }
       const float spacing =
           toSpacing * distanceBetween(in_.points.positions[point],
                                       in_.points.positions[pointAt(surface, row[out.k - 1])]);
-      if (spacing > std::ldexp(kSparse * in_.unitAt(point), surface.level)) {
+      if (spacing > sparse * in_.unitAt(point)) {
         frozen[i] = 1;
         some = true;
       }
     }
   });
+  out.turned = turned;
   if (some) out.frozen = std::move(frozen);
   return out;
 }
