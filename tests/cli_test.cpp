@@ -23,6 +23,7 @@ using Json = nlohmann::json;
 const std::vector<Arguments> kMethods{
     {"--method", "patches"},
     {"--method", "match"},
+    {"--method", "coordinates"},
     {"--method", "hybrid", "--gaps", "cut"},
     {"--method", "hybrid", "--gaps", "match"},
     {"--method", "triplanar"},
@@ -566,6 +567,33 @@ TEST_CASE("field writes directions that follow the strokes of a file, and says h
     CHECK(upright[i][1] > 0.9);
   }
   CHECK(near > 10);
+}
+
+TEST_CASE("synth2d makes an image of any size, tile one that repeats, and bad orders are refused") {
+  const TemporaryFolder folder;
+  const std::string large = folder / "large.png", tile = folder / "tile.png";
+  const Run made = dapple({"synth2d", swatch(), "--size", "150x40", "-o", large, "--threads", "1"});
+  REQUIRE(made.code == 0);
+  CHECK(contains(made.out, "150 x 40 pixels"));
+  const Image image = readImage(large);
+  CHECK(image.width == 150);
+  CHECK(image.height == 40);
+  const std::string once = bytesOf(large);
+  REQUIRE(dapple({"synth2d", swatch(), "--size", "150x40", "-o", large, "--threads", "3"}).code ==
+          0);
+  CHECK(bytesOf(large) == once);
+  REQUIRE(dapple({"synth2d", swatch(), "--size", "150x40", "-o", large, "--seed", "2"}).code == 0);
+  CHECK(bytesOf(large) != once);
+  REQUIRE(dapple({"tile", swatch(), "--tileable", "no", "--size", "64x64", "-o", tile}).code == 0);
+  CHECK(readImage(tile).width == 64);
+  for (const Arguments& bad : {Arguments{"synth2d", swatch(), "-o", large},
+                               {"synth2d", swatch(), "--size", "0x4", "-o", large},
+                               {"tile", folder / "none.png", "-o", tile},
+                               {"tile", swatch(), "-o", folder / "tile.txt"}}) {
+    const Run run = dapple(bad);
+    CHECK(run.code == 2);
+    CHECK(!run.err.empty());
+  }
 }
 
 TEST_CASE("texture follows the strokes of a file, and a bad one is refused") {

@@ -174,13 +174,13 @@ class Installation(unittest.TestCase):
     def test_bash_completes_commands_options_and_values(self):
         cases = (
             (["dapple", ""], ["--help", "--version", "-h", "field", "info", "render", "score",
-                             "texture"]),
+                             "synth2d", "texture", "tile"]),
             (["dapple", "te"], ["texture"]),
             (["dapple", "texture", "--me"], ["--method"]),
             (["dapple", "texture", "--no-c"], ["--no-coherent"]),
             (["dapple", "info", "--me"], []),
             (["dapple", "texture", "--method", ""],
-             ["auto", "grid", "hybrid", "match", "patches", "random", "triplanar"]),
+             ["auto", "coordinates", "grid", "hybrid", "match", "patches", "random", "triplanar"]),
             (["dapple", "texture", "--method", "=", "tri"], ["triplanar"]),
             (["dapple", "texture", "--tileable", "="], ["auto", "no", "yes"]),
             (["dapple", "--version", "render", "--renderer", "c"], ["cpu"]),

@@ -132,11 +132,12 @@ int runCommandLine(int argc, char** argv) {
   CLI::App app{"Dapple textures point-sampled scans by example.", "dapple"};
   app.set_version_flag("--version", DAPPLE_VERSION);
   app.require_subcommand(1);
-  std::vector<CommonOptions> common(6);
+  std::vector<CommonOptions> common(8);
   const std::vector<Subcommand> commands{
       addTextureCommand(app, common[0]), addInfoCommand(app, common[1]),
       addRenderCommand(app, common[2]),  addScoreCommand(app, common[3]),
-      addFieldCommand(app, common[4]),   addEditCommand(app, common[5])};
+      addFieldCommand(app, common[4]),   addSynth2dCommand(app, common[5]),
+      addTileCommand(app, common[6]),    addEditCommand(app, common[7])};
   try {
     app.parse(argumentsOf(argc, argv));
     for (const Subcommand& command : commands)

@@ -32,6 +32,8 @@ Subcommand addInfoCommand(CLI::App& app, CommonOptions& common);
 Subcommand addRenderCommand(CLI::App& app, CommonOptions& common);
 Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
 Subcommand addFieldCommand(CLI::App& app, CommonOptions& common);
+Subcommand addSynth2dCommand(CLI::App& app, CommonOptions& common);
+Subcommand addTileCommand(CLI::App& app, CommonOptions& common);
 Subcommand addEditCommand(CLI::App& app, CommonOptions& common);
 
 // An option, or a flag, of the options table: help, default, range and behaviour cannot differ.

@@ -10,7 +10,7 @@
 namespace dapple {
 
 // Auto: chosen by the swatch, before a synthesis begins (document/automatic_options.h).
-enum class Method { Auto, Hybrid, Patches, Match, Grid, Triplanar, Random };
+enum class Method { Auto, Hybrid, Coordinates, Patches, Match, Grid, Triplanar, Random };
 enum class GapFill {
   Cut,    // patches are aligned, overlap, and are cut where they differ least
   Match,  // as printed: gap points are matched with the swatch
@@ -33,6 +33,7 @@ struct TextureOptions {
   GridAssign assign = GridAssign::Multi;
   bool gridSeams = true;
   int gridNeighbours = 0;
+  int passes = 1;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
   FieldMethod field = FieldMethod::Smooth;
