@@ -240,12 +240,14 @@ TEST_CASE("kernels choose what plain code chooses") {
       }
       UsageMap usage{.columns = 2, .rows = 1, .factor = {1.0f, 1.3f}};
       usage.toColumn = 1.999f / static_cast<float>(torus.domain.width());
+      const SimilarPlaces similar(torus.appearance, torus.domain, monitor);
       const PlaceUpdate update{.sites = torus.grid.sites,
                                .appearance = torus.appearance,
                                .domain = torus.domain,
                                .usage = usage,
                                .places = torus.places.data(),
                                .looks = torus.looks.data(),
+                               .similar = tileable == Tileable::No ? &similar : nullptr,
                                .merge = 50};
       std::vector<Index> members(torus.grid.size());
       for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
