@@ -11,6 +11,8 @@
 #include "synthesis/coordinate_grid.h"
 #include "synthesis/coordinate_relaxation.h"
 #include "synthesis/surface_sites.h"
+#include "synthesis/synthesis.h"
+#include "synthesis/texture_score.h"
 
 using namespace dapple;
 using namespace dapple::fixtures;
@@ -240,12 +242,14 @@ TEST_CASE("kernels choose what plain code chooses") {
       }
       UsageMap usage{.columns = 2, .rows = 1, .factor = {1.0f, 1.3f}};
       usage.toColumn = 1.999f / static_cast<float>(torus.domain.width());
+      const SimilarPlaces similar(torus.appearance, torus.domain, monitor);
       const PlaceUpdate update{.sites = torus.grid.sites,
                                .appearance = torus.appearance,
                                .domain = torus.domain,
                                .usage = usage,
                                .places = torus.places.data(),
                                .looks = torus.looks.data(),
+                               .similar = tileable == Tileable::No ? &similar : nullptr,
                                .merge = 50};
       std::vector<Index> members(torus.grid.size());
       for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
@@ -328,4 +332,27 @@ TEST_CASE("a torus is seamless and a plane is not wrapped") {
     }
     CHECK((across < 1.5 * inside) == torus);
   }
+}
+
+TEST_CASE("coordinates look like the swatch") {
+  Workers workers(2);
+  Monitor monitor(workers);
+  const Scan scan = plane(96);
+  const Swatch swatch = swatchOf(blobs(48));
+  const auto score = [&](Method method) {
+    TextureOptions options;
+    options.method = method;
+    const SourceMap map = synthesize(scan.input(swatch), options, monitor).map;
+    return scoreTexture({.points = scan.points,
+                         .neighborhoods = scan.neighborhoods,
+                         .colours = map.colour,
+                         .swatch = swatch,
+                         .unit = kSpacing,
+                         .map = &map},
+                        {}, monitor)
+        .F;
+  };
+  const double coordinates = score(Method::Coordinates);
+  CHECK(coordinates > 0.6);
+  CHECK(coordinates > score(Method::Random) + 0.4);
 }

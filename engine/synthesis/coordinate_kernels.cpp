@@ -1,10 +1,9 @@
 // Departures from methods 3.4:
 // - a site whose neighbours all predict the place that it has keeps it without looking at the
 //   swatch; most sites of fine levels do;
-// - no other candidates than the neighbours' predictions and the own place, not even where
-//   predictions lead out of a swatch that does not tile: the own place never does, and 4 random
-//   ones tried there at twice the error made F no better (0.548 and 0.550, 7 swatches on the
-//   bunny).
+// - where predictions lead out of a swatch that does not tile, places that look like the
+// neighbour's
+//   are continued instead; random ones gain nothing.
 #include "synthesis/coordinate_kernels.h"
 
 #if defined(__x86_64__)
@@ -21,7 +20,8 @@ namespace dapple {
 namespace {
 
 constexpr std::int32_t kWorst = std::numeric_limits<std::int32_t>::max();
-constexpr std::size_t kAhead = 8;    // members between a row's prefetch and its use
+constexpr int kMostOthers = 4;     // similar places that are tried in place of those that lead out
+constexpr std::size_t kAhead = 8;  // members between a row's prefetch and its use
 constexpr std::size_t kBoundAt = 8;  // terms after which a sum is compared with the best
 
 // Neighbours of a site in columns; what follows the last one repeats the site itself.
@@ -137,15 +137,25 @@ template <bool kPortable>
   const float ownUse = u.usage.at(own);
   float least =
       ownUse * static_cast<float>(differences<kPortable>(u.appearance, near, own, kWorst));
-  for (std::size_t a = 0; a < near.count; ++a) {
-    if (near.open[a] == 0) continue;
-    const Place place{near.placeX[a], near.placeY[a]};
-    if (!u.domain.contains(place)) continue;
+  const auto attempt = [&](Place place) __attribute__((always_inline)) {
     const float use = u.usage.at(place), most = least / use;
     const std::int32_t bound = most < 2e9f ? static_cast<std::int32_t>(most) : kWorst;
     const float error =
         use * static_cast<float>(differences<kPortable>(u.appearance, near, place, bound));
     if (error < least) least = error, best = place;
+  };
+  int others = 0;
+  for (std::size_t a = 0; a < near.count; ++a) {
+    if (near.open[a] == 0) continue;
+    Place place{near.placeX[a], near.placeY[a]};
+    if (!u.domain.contains(place)) [[unlikely]] {
+      if (u.similar == nullptr || ++others > kMostOthers) continue;
+      const Place from = u.similar->of({place.x + near.wayX[a], place.y + near.wayY[a]});
+      place = {from.x - near.wayX[a], from.y - near.wayY[a]};
+      if (u.domain.contains(place)) attempt(place);
+      continue;
+    }
+    attempt(place);
     if (!absorb(near, place, u.merge)) break;
   }
   return best;

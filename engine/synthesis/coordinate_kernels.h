@@ -2,6 +2,7 @@
 // site takes (methods: 3.4, steps 4 to 6).
 #pragma once
 
+#include "swatch/similar_places.h"
 #include "synthesis/coordinate_sites.h"
 
 namespace dapple {
@@ -26,7 +27,9 @@ struct PlaceUpdate {
   const UsageMap& usage;
   const Place* places;      // n
   const Appearance* looks;  // n: appearance.at(places)
-  std::int32_t merge;       // predictions nearer than this are one, place units
+  // Where to go on from where a prediction leads out of the swatch; null: nowhere.
+  const SimilarPlaces* similar;
+  std::int32_t merge;  // predictions nearer than this are one, place units
 };
 
 // The places that `members` take, written to `chosen`: none of them is any other's input.

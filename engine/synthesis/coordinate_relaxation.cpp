@@ -73,6 +73,7 @@ PlaceRelaxation::PlaceRelaxation(const SiteLevel& sites, const AppearanceLevel& 
       expected_(expectedShares(usage_, domain)) {
   DAPPLE_CHECK(sites.k, <=, kMostNear);
   DAPPLE_CHECK(places.size(), ==, sites.size);
+  if (!domain.tileable()) similar_ = SimilarPlaces(appearance, domain, monitor);
   std::vector<Index> free;
   free.reserve(sites.size);
   for (std::size_t i = 0; i < sites.size; ++i)
@@ -91,6 +92,7 @@ PlaceUpdate PlaceRelaxation::update() const {
       .usage = usage_,
       .places = places_.data(),
       .looks = looks_.data(),
+      .similar = similar_.empty() ? nullptr : &similar_,
       .merge = static_cast<std::int32_t>(
           std::ldexp((sites_.level == 0 ? kFinestMerge : kMergeSteps) * kPlaceScale, sites_.level)),
   };

@@ -40,6 +40,7 @@ class PlaceRelaxation {
   const PlaceDomain& domain_;
   std::vector<Place>& places_;
   std::vector<Appearance> looks_;
+  SimilarPlaces similar_;
   ClassOrder order_;
   UsageMap usage_;
   std::vector<float> expected_;  // by cell of usage_: share of the swatch's places
