@@ -287,6 +287,7 @@ int main(int argc, char** argv) {
   engine.finish();
   benchEdits(engine.snapshot()->document, Method::Hybrid, "hybrid");
   benchEdits(engine.snapshot()->document, Method::Match, "match");
+  benchEdits(engine.snapshot()->document, Method::Coordinates, "coordinates");
   if (onlyEdits) return 0;
   benchJobs(engine, Method::Hybrid, "hybrid");
   benchJobs(engine, Method::Patches, "patches");

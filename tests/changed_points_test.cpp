@@ -15,7 +15,7 @@ using namespace dapple::fixtures;
 namespace {
 
 constexpr float kLong = 60, kWide = 12;  // of a strip, in spacings of 1/2
-constexpr Method kMethods[] = {Method::Hybrid, Method::Patches, Method::Match};
+constexpr Method kMethods[] = {Method::Hybrid, Method::Patches, Method::Match, Method::Coordinates};
 
 // A flat strip with strokes up across it every 6 units.
 Document stripDocument(const TestFolder& folder, const TextureOptions& options) {

@@ -2,6 +2,9 @@
 #include "synthesis/coordinate_synthesis.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
@@ -70,6 +73,15 @@ class Synthesizer {
     reported_ = target;
   }
 
+  // Nothing: it is to be found. A place that is not of this swatch is found anew.
+  std::optional<Place> keptPlace(Index point) const {
+    if (!in_.isKept(point)) return std::nullopt;
+    const vec2 scaled = kPlaceScale * in_.kept->texel[point];
+    const Place place = domain_.wrapped({static_cast<std::int32_t>(std::lround(scaled.x)),
+                                         static_cast<std::int32_t>(std::lround(scaled.y))});
+    return domain_.contains(place) ? std::optional(place) : std::nullopt;
+  }
+
   // Places of level l from those of the next one.
   std::vector<Place> extended(std::size_t l, const std::vector<Place>& coarse) {
     const SurfaceLevel &fine = surface_[l], &above = surface_[l + 1];
@@ -78,6 +90,10 @@ class Synthesizer {
       for (std::size_t i = begin; i < end; ++i) {
         const Index parent = fine.parent[i];
         const Index from = pointAt(above, parent), to = pointAt(fine, i);
+        if (const auto kept = keptPlace(to)) {
+          out[i] = *kept;
+          continue;
+        }
         Place way{0, 0};
         if (from != to) {
           const vec2 pixels = ways_.between(from, to).pixels * kPlaceScale;
@@ -95,8 +111,11 @@ class Synthesizer {
       return;
     }
     places_.resize(sizeOf(l));
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      places_[i] = domain_.random(options_.seed, pointAt(surface_[l], i), 1);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const Index point = pointAt(surface_[l], i);
+      const auto kept = keptPlace(point);
+      places_[i] = kept ? *kept : domain_.random(options_.seed, point, 1);
+    }
   }
 
   void relax(std::size_t l) {
@@ -120,7 +139,7 @@ class Synthesizer {
     const float k = static_cast<float>(row.size());
     const float spacing =
         distanceBetween(in_.points.positions[i], in_.points.positions[row.back()]) *
-        std::sqrt(3.14159265f / (k + 0.5f));
+        std::sqrt(std::numbers::pi_v<float> / (k + 0.5f));
     return filterLevel(spacing / kUnfiltered, in_.unitAt(i));
   }
 
@@ -141,21 +160,24 @@ class Synthesizer {
   void write() {
     const std::size_t n = in_.points.size();
     if (errors_.empty()) errors_.assign(n, 0.0f);
-    std::vector<vec2> texel(n);
-    std::vector<vec3> colour(n);
+    std::vector<vec2> texel = map_.texel;
+    std::vector<vec3> colour = map_.colour;
     parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
+        if (in_.isKept(i)) continue;
         texel[i] = texelOf(places_[i]);
         colour[i] = sampleSwatch(in_.swatch, texel[i], filterOf(i));
       }
     });
     map_.texel = std::move(texel);
     map_.colour = std::move(colour);
-    map_.error = std::move(errors_);
-    map_.frame = in_.frames;
-    map_.state.assign(n, PointState::Matched);
-    map_.patch.assign(n, kNone);
-    map_.order.assign(n, kNone);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (in_.isKept(i)) continue;
+      map_.error[i] = errors_[i];
+      map_.frame[i] = in_.frames[i];
+      map_.state[i] = PointState::Matched;
+      map_.patch[i] = map_.order[i] = kNone;
+    }
     for (std::size_t l = surface_.size(); l-- > 0;)
       for (std::size_t i = 0; i < sizeOf(l); ++i) {
         Index& order = map_.order[pointAt(surface_[l], i)];

@@ -14,8 +14,8 @@ struct CoordinateOptions {
   std::uint64_t seed = 1;
 };
 
-// Colours every point of `map`. Writes texel, frame, colour, state = Matched, patch (pieces that
-// are copied from the swatch as they are), error and order. The same bytes at any number of
+// Colours every point of `map` that is not kept. Writes texel, frame, colour, state = Matched,
+// patch = kNone, error and order (the level on which a point was first placed, coarsest 0). The same bytes at any number of
 // threads. Throws Cancelled; then the map is as it was.
 void synthesizeCoordinates(const SynthesisInput& input, const CoordinateOptions& options,
                            SourceMap& map, Monitor& monitor);

@@ -201,7 +201,7 @@ SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
       const float spacing =
           toSpacing * distanceBetween(in_.points.positions[point],
                                       in_.points.positions[pointAt(surface, row[out.k - 1])]);
-      if (spacing > sparse * in_.unitAt(point)) {
+      if (spacing > sparse * in_.unitAt(point) || in_.isKept(point)) {
         frozen[i] = 1;
         some = true;
       }

@@ -33,7 +33,7 @@ class SurfaceWays {
   Offset between(Index from, Index to) const;
 
   // What a level of at least 0 is synthesized on. Sites that lie much further apart than its step
-  // are frozen. `reach` as AppearanceLevel's. Throws Cancelled.
+  // are frozen, and those of kept points. `reach` as AppearanceLevel's. Throws Cancelled.
   SiteLevel sitesOf(const SurfaceLevel& surface, std::int32_t reach, Monitor& monitor) const;
 
  private:

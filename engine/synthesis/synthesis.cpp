@@ -53,8 +53,8 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
 }  // namespace
 
 bool keepsPoints(const TextureOptions& options) {
-  return options.method == Method::Hybrid || options.method == Method::Patches ||
-         options.method == Method::Match;
+  return options.method == Method::Hybrid || options.method == Method::Coordinates ||
+         options.method == Method::Patches || options.method == Method::Match;
 }
 
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
