@@ -28,37 +28,34 @@ AutomaticOptions chosen(const SwatchAnalysis& swatch, const std::vector<std::str
 
 }  // namespace
 
-TEST_CASE("directions are followed where a turn shows, with the symmetry of the swatch") {
+TEST_CASE("coordinates where a turn shows, and patches that run straight on where none does") {
+  CHECK(chosen(kGravel).options.method == Method::Hybrid);
   CHECK(chosen(kGravel).options.follow == false);
-  for (const auto& [swatch, symmetry] :
-       {std::pair(kStripes, FieldSymmetry::Half), std::pair(kChecks, FieldSymmetry::Quarter),
-        std::pair(kScales, FieldSymmetry::None)}) {
-    const TextureOptions options = chosen(swatch).options;
-    CHECK(options.method == Method::Hybrid);
-    CHECK(options.follow);
-    CHECK(options.symmetry == symmetry);
-    CHECK(options.distortion == (symmetry == FieldSymmetry::None ? 3.2 : 1.6));
-  }
+  for (const SwatchAnalysis& swatch : {kStripes, kChecks, kScales})
+    CHECK(chosen(swatch).options == TextureOptions{.method = Method::Coordinates});
 }
 
 TEST_CASE("strokes are followed whatever the swatch is") {
-  CHECK(chosen(kGravel, {}, {}, true).options.follow);
+  const TextureOptions options = chosen(kGravel, {}, {}, true).options;
+  CHECK(options.follow);
+  CHECK(options.symmetry == FieldSymmetry::Quarter);
 }
 
 TEST_CASE("every choice has a reason, and what the user has set is kept and has none") {
-  const AutomaticOptions free = chosen(kStripes);
+  const AutomaticOptions free = chosen(kGravel, {}, {}, true);
   CHECK(free.reasons.size() == 3);  // method, follow, symmetry
-  CHECK(choiceText(free.options, {}) == "hybrid, symmetry 180");
+  CHECK(choiceText(free.options, {}) == "hybrid, symmetry 90");
   CHECK(choiceText(chosen(kGravel).options, {}) == "hybrid, no follow");
+  CHECK(choiceText(chosen(kStripes).options, {}) == "coordinates");
   TextureOptions given;
-  given.symmetry = FieldSymmetry::Quarter, given.follow = false;
-  const AutomaticOptions kept = chosen(kStripes, changedOptions(given), given);
+  given.symmetry = FieldSymmetry::Half, given.follow = false;
+  const AutomaticOptions kept = chosen(kGravel, changedOptions(given), given, true);
   CHECK(kept.reasons.size() == 1);
-  CHECK(kept.options.symmetry == FieldSymmetry::Quarter);
+  CHECK(kept.options.symmetry == FieldSymmetry::Half);
   CHECK(kept.options.follow == false);
   // Nothing is said of options that make no difference.
   given = {.field = FieldMethod::Up};
-  CHECK(chosen(kStripes, {"field"}, given).options.symmetry == FieldSymmetry::None);
+  CHECK(chosen(kGravel, {"field"}, given, true).options.symmetry == FieldSymmetry::None);
   // Typed as it is by default anyway.
   CHECK(chosen(kGravel, {"follow"}).options.follow);
 }
@@ -83,8 +80,7 @@ TEST_CASE("a result has the options that auto stood for, and the swatch is analy
   document = fixtures::applied(document, Synthesize{});
   CHECK(document.regions->front().options.method == Method::Auto);
   const auto first = document.results.sources.front();
-  CHECK(first->options.method == Method::Hybrid);
-  CHECK(first->options.symmetry == FieldSymmetry::Half);
+  CHECK(first->options.method == Method::Coordinates);
   REQUIRE(first->analysis);
   document = fixtures::applied(document, Synthesize{});
   CHECK(document.results.sources.front() != first);

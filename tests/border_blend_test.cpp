@@ -13,6 +13,9 @@ using namespace dapple::fixtures;
 
 namespace {
 
+// Reads the swatch as it is: others may filter it, so that no texel has a point's colour.
+const TextureOptions kUnfiltered{.method = Method::Hybrid};
+
 // A sphere in two halves of different swatches, synthesized; the borders are `width` wide.
 Document halves(const TestFolder& folder, double width, std::size_t count = 6000,
                 const char* left = "bricks", const char* right = "noise") {
@@ -21,7 +24,8 @@ Document halves(const TestFolder& folder, double width, std::size_t count = 6000
   d = applied(d, AddRegion{});
   d = applied(d, SetSwatch{.region = 1, .reference = {.path = "/swatches/" + std::string(left)}});
   d = applied(d, SetSwatch{.region = 0, .reference = {.path = "/swatches/" + std::string(right)}});
-  for (const RegionId r : {0, 1}) d = applied(d, SetRegion{.region = r, .borderWidth = width});
+  for (const RegionId r : {0, 1})
+    d = applied(d, SetRegion{.region = r, .borderWidth = width, .options = kUnfiltered});
   return applied(d, Synthesize{});
 }
 
@@ -42,7 +46,7 @@ Document thirds(const TestFolder& folder, double width) {
   for (RegionId r = 0; r < 3; ++r) {
     d = applied(
         d, SetSwatch{.region = r, .reference = {.path = "/swatches/" + std::string(swatches[r])}});
-    d = applied(d, SetRegion{.region = r, .borderWidth = width});
+    d = applied(d, SetRegion{.region = r, .borderWidth = width, .options = kUnfiltered});
   }
   return applied(d, Synthesize{});
 }

@@ -282,6 +282,9 @@ TEST_CASE("an exported scan has its channels as columns, and all texels of its b
       reference("/s/noise.png", {{Channel::Roughness, "rough"}, {Channel::Normal, "nor_gl"}});
   d = with(d, SetSwatch{.region = 0, .reference = swatch});
   d = with(d, SetSwatch{.region = 1, .reference = {.path = "/s/bricks.png"}});
+  // Others may filter the swatch, so that no texel has a point's colour.
+  for (const RegionId r : {0, 1})
+    d = with(d, SetRegion{.region = r, .options = TextureOptions{.method = Method::Hybrid}});
   const Document hard = with(d, Synthesize{});
   d = with(hard, SetRegion{.region = 0, .borderWidth = 8});
   d = with(d, BlendBorders{});

@@ -63,8 +63,8 @@ void check(const std::filesystem::path& folder, std::span<const Expected> table)
     CHECK(a.feature <= expected.mostFeature);
     const AutomaticOptions chosen =
         chosenOptions({}, {.swatch = a, .points = 40000, .strokes = false, .kept = {}});
-    CHECK(chosen.options.follow == (expected.kind != Isotropic));
-    CHECK(foldsOf(chosen.options.symmetry) == std::max(1, expected.folds));
+    CHECK(chosen.options.method ==
+          (expected.kind == Isotropic ? Method::Hybrid : Method::Coordinates));
   }
 }
 
