@@ -84,10 +84,13 @@ TEST_CASE("an option that is said to count by the method changes something") {
   Workers workers(1);
   Monitor monitor(workers);
   const std::pair<Method, const char*> kCounts[] = {
-      {Method::Hybrid, "gaps"},     {Method::Hybrid, "follow"},    {Method::Patches, "distortion"},
-      {Method::Patches, "field"},   {Method::Match, "coherent"},   {Method::Match, "levels"},
-      {Method::Match, "symmetry"},  {Method::Grid, "grid"},        {Method::Grid, "assign"},
-      {Method::Grid, "grid-seams"}, {Method::Hybrid, "size-limit"}};
+      {Method::Hybrid, "gaps"},        {Method::Hybrid, "follow"},
+      {Method::Patches, "distortion"}, {Method::Patches, "field"},
+      {Method::Match, "coherent"},     {Method::Match, "levels"},
+      {Method::Match, "symmetry"},     {Method::Grid, "grid"},
+      {Method::Grid, "assign"},        {Method::Grid, "grid-seams"},
+      {Method::Hybrid, "size-limit"},  {Method::Coordinates, "passes"},
+      {Method::Coordinates, "field"}};
   for (const auto& [method, name] : kCounts) {
     CAPTURE(name);
     TextureOptions options;

@@ -35,8 +35,11 @@ constexpr bool isGrid(const T& o) {
 constexpr bool pastesSquares(const T& o) {
   return isGrid(o) && o.assign == GridAssign::Multi;
 }
+constexpr bool isCoordinates(const T& o) {
+  return o.method == Method::Coordinates;
+}
 constexpr bool isDirected(const T& o) {
-  return growsPatches(o) || matchesOrGrid(o);
+  return growsPatches(o) || matchesOrGrid(o) || isCoordinates(o);
 }
 constexpr bool isSpread(const T& o) {
   return isDirected(o) && o.field != FieldMethod::Up && o.field != FieldMethod::Random;
@@ -51,7 +54,7 @@ constexpr bool mayFollow(const T& o) {
 constexpr std::array kTable = {
     OptionRow{.name = "method",
               .field = &T::method,
-              .choices = "hybrid|patches|match|grid|triplanar|random",
+              .choices = "hybrid|coordinates|patches|match|grid|triplanar|random",
               .help = "how points get their colour; triplanar and random are baselines"},
     OptionRow{.name = "neighbours",
               .field = &T::neighbours,
@@ -108,6 +111,13 @@ constexpr std::array kTable = {
               .high = 4096,
               .help = "grid: most points that one square is filled from, 0 for all it covers",
               .counts = isGrid},
+    OptionRow{
+        .name = "passes",
+        .field = &T::passes,
+        .low = 1,
+        .high = 32,
+        .help = "coordinates: visits of every point on the finest level; coarser ones get more",
+        .counts = isCoordinates},
     OptionRow{.name = "tileable",
               .field = &T::tileable,
               .choices = "auto|yes|no",

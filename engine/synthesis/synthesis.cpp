@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "synthesis/baselines.h"
+#include "synthesis/coordinate_synthesis.h"
 #include "synthesis/grid_matching.h"
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
@@ -85,6 +86,9 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       break;
     case Method::Grid:
       result.statistics.patches = matchGrid(input, gridOptions(options), map, monitor).matches;
+      break;
+    case Method::Coordinates:
+      synthesizeCoordinates(input, {.quality = options.passes, .seed = options.seed}, map, monitor);
       break;
     case Method::Triplanar:
       projectTriplanar(input, map, monitor);

@@ -9,7 +9,7 @@
 
 namespace dapple {
 
-enum class Method { Hybrid, Patches, Match, Grid, Triplanar, Random };
+enum class Method { Hybrid, Coordinates, Patches, Match, Grid, Triplanar, Random };
 enum class GapFill {
   Cut,    // patches are aligned, overlap, and are cut where they differ least
   Match,  // as printed: gap points are matched with the swatch
@@ -32,6 +32,7 @@ struct TextureOptions {
   GridAssign assign = GridAssign::Multi;
   bool gridSeams = true;
   int gridNeighbours = 0;
+  int passes = 2;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
   FieldMethod field = FieldMethod::Smooth;

@@ -1,0 +1,282 @@
+// Methods 3.4, step 1, after Lefebvre and Hoppe, "Appearance-space texture synthesis" (2006).
+//
+// Departures: samples are four to a step on every level, not on the finest two only: finer ones
+// than that look the same, and coarse levels get small.
+#include "swatch/appearance.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "base/hash_rng.h"
+#include "base/simd.h"
+#include "swatch/gaussian_blur.h"
+
+namespace dapple {
+namespace {
+
+constexpr int kTaps = 2;  // texels to each side
+constexpr int kSide = 2 * kTaps + 1, kColours = 3;
+constexpr int kNumbers = kSide * kSide * kColours;
+constexpr float kTapWidth = 1.5f;  // of the Gaussian that weighs them, steps
+constexpr float kLargest = 1000;   // of a number: 24 squared differences of 8 sums fit 31 bits
+constexpr float kClipped = 1400;
+constexpr std::int32_t kReachSteps = 4;
+constexpr std::size_t kSurroundings = 4096;  // that the components are taken from
+constexpr std::size_t kRowGrain = 16;
+// Swatches of more pixels get fewer samples on the finest levels: the processor's caches are small.
+constexpr std::size_t kSmallSwatch = 160 * 160, kMediumSwatch = 768 * 768;
+
+using Basis = Eigen::Matrix<float, kAppearanceNumbers, kNumbers>;
+
+struct Samples {
+  int perStep = 4;  // along each axis
+  int border = 0;   // around those of the appearance
+  int stride = 0, rows = 0;
+  std::vector<vec3> colours;
+};
+
+int samplesPerStep(const Swatch& swatch, int level) {
+  if (swatch.pixels() > kMediumSwatch) return level == 0 ? 1 : level == 1 ? 2 : 4;
+  if (swatch.pixels() > kSmallSwatch) return level == 0 ? 2 : 4;
+  return 4;
+}
+
+// Into [0, size], forth and back.
+float mirroredCoordinate(float value, float size) {
+  const float twice = wrapCoordinate(value, 2 * size);
+  return twice <= size ? twice : 2 * size - twice;
+}
+
+// The swatch with a margin of samples around, blurred for the level.
+Samples sampleLevel(const Swatch& swatch, const AppearanceLevel& out, int perStep,
+                    Monitor& monitor) {
+  Swatch view{.width = swatch.width, .height = swatch.height, .tileable = swatch.tileable};
+  view.stack.push_back(out.level == 0 ? swatch.colours()
+                                      : blurSwatch(swatch, std::ldexp(0.5, out.level)));
+  const int border = kTaps * perStep;
+  Samples samples{.perStep = perStep,
+                  .border = border,
+                  .stride = out.stride + 2 * border,
+                  .rows = out.rows + 2 * border};
+  const float pitch = static_cast<float>(1 << out.shift) / kPlaceScale;  // pixels
+  samples.colours.resize(static_cast<std::size_t>(samples.stride) * samples.rows);
+  const auto place = [&](int sample, int size) {
+    const float at = (static_cast<float>(sample - out.margin - border) + 0.5f) * pitch;
+    return swatch.tileable ? at : mirroredCoordinate(at, static_cast<float>(size));
+  };
+  parallelFor(
+      monitor, static_cast<std::size_t>(samples.rows), kRowGrain,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y)
+          for (int x = 0; x < samples.stride; ++x)
+            samples.colours[y * static_cast<std::size_t>(samples.stride) + x] = sampleSwatch(
+                view, {place(x, swatch.width), place(static_cast<int>(y), swatch.height)});
+      });
+  return samples;
+}
+
+std::array<float, kSide * kSide> tapWeights() {
+  std::array<float, kSide * kSide> weights;
+  float sum = 0;
+  for (int y = -kTaps; y <= kTaps; ++y)
+    for (int x = -kTaps; x <= kTaps; ++x) {
+      const float w = std::exp(-0.5f * static_cast<float>(x * x + y * y) / (kTapWidth * kTapWidth));
+      weights[(y + kTaps) * kSide + x + kTaps] = w;
+      sum += w;
+    }
+  for (float& w : weights) w = std::sqrt(w / sum);
+  return weights;
+}
+
+// The weighted colours around sample (x, y).
+Eigen::Matrix<float, kNumbers, 1> surroundings(const Samples& samples, int x, int y) {
+  static const auto weights = tapWeights();
+  Eigen::Matrix<float, kNumbers, 1> out;
+  int n = 0;
+  for (int ty = -kTaps; ty <= kTaps; ++ty)
+    for (int tx = -kTaps; tx <= kTaps; ++tx) {
+      const std::ptrdiff_t at =
+          static_cast<std::ptrdiff_t>(y + ty * samples.perStep) * samples.stride + x +
+          tx * samples.perStep;
+      const float w = weights[static_cast<std::size_t>(n / kColours)];
+      for (int c = 0; c < kColours; ++c) out[n++] = w * samples.colours[at][c];
+    }
+  return out;
+}
+
+struct Projection {
+  Basis basis;  // weights of the taps included
+  Eigen::Matrix<float, kAppearanceNumbers, 1> mean;
+  float unit;
+};
+
+Projection principalComponents(const Samples& samples, const PlaceDomain& domain,
+                               const AppearanceLevel& out) {
+  const int border = samples.border;
+  Eigen::MatrixXf all(kNumbers, kSurroundings);
+  for (std::size_t s = 0; s < kSurroundings; ++s) {
+    const Place place = domain.random(0, s, 17);
+    all.col(static_cast<Eigen::Index>(s)) =
+        surroundings(samples, (place.x >> out.shift) + out.margin + border,
+                     (place.y >> out.shift) + out.margin + border);
+  }
+  const Eigen::VectorXf mean = all.rowwise().mean();
+  all.colwise() -= mean;
+  const Eigen::MatrixXf covariance = all * all.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(covariance);
+  Projection projection;
+  projection.basis = solver.eigenvectors().rightCols(kAppearanceNumbers).transpose();
+  const float largest = (projection.basis * all).cwiseAbs().maxCoeff();
+  projection.unit = largest > 0 ? kLargest / largest : 1;
+  projection.mean = projection.basis * mean;
+  return projection;
+}
+
+// By tap and colour, how it adds to each number: eight lanes at once.
+using TapColumns = std::array<std::array<float, kAppearanceNumbers>, kNumbers>;
+
+// Of what lies at tap (x, y) of a point whose axes are turned to the left by so many quarters, its
+// neighbour sees at (-y, x) of the swatch, once for each quarter.
+int turnedTap(int tap, int quarters) {
+  int x = tap % kSide - kTaps, y = tap / kSide - kTaps;
+  for (int q = 0; q < quarters; ++q) std::swap(x, y), x = -x;
+  return (y + kTaps) * kSide + x + kTaps;
+}
+
+TapColumns tapColumns(const Projection& projection, int quarters) {
+  const auto weights = tapWeights();
+  TapColumns columns;
+  for (int tap = 0; tap < kSide * kSide; ++tap)
+    for (int c = 0; c < kColours; ++c)
+      for (int d = 0; d < kAppearanceNumbers; ++d)
+        columns[turnedTap(tap, quarters) * kColours + c][d] =
+            projection.unit * projection.basis(d, tap * kColours + c) * weights[tap];
+  return columns;
+}
+
+DAPPLE_CLONES void projectRow(const Samples& samples, const TapColumns& columns,
+                              const float* shifts, const vec3* centre, std::int32_t count,
+                              Appearance* out) {
+  for (std::int32_t x = 0; x < count; ++x) {
+    Float8 sum = *reinterpret_cast<const Float8*>(shifts);
+    int n = 0;
+    for (int ty = -kTaps; ty <= kTaps; ++ty) {
+      const vec3* row =
+          centre + x + static_cast<std::ptrdiff_t>(ty * samples.perStep) * samples.stride;
+      for (int tx = -kTaps; tx <= kTaps; ++tx)
+        for (int c = 0; c < kColours; ++c, ++n)
+          sum += *reinterpret_cast<const Float8*>(columns[n].data()) * row[tx * samples.perStep][c];
+    }
+    for (int d = 0; d < kAppearanceNumbers; ++d)
+      out[x].number[d] = static_cast<std::int16_t>(
+          std::floor(std::min(std::max(sum[d], -kClipped), kClipped) + 0.5f));
+  }
+}
+
+std::vector<Appearance> project(const Samples& samples, const Projection& projection, int quarters,
+                                const AppearanceLevel& out, Monitor& monitor) {
+  const TapColumns columns = tapColumns(projection, quarters);
+  std::array<float, kAppearanceNumbers> shifts;
+  for (int d = 0; d < kAppearanceNumbers; ++d) shifts[d] = -projection.unit * projection.mean[d];
+  const auto rows = static_cast<std::size_t>(out.rows),
+             stride = static_cast<std::size_t>(out.stride);
+  std::vector<Appearance> all(rows * stride);
+  parallelFor(monitor, rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) {
+      const vec3* centre = samples.colours.data() +
+                           (y + static_cast<std::size_t>(samples.border)) *
+                               static_cast<std::size_t>(samples.stride) +
+                           samples.border;
+      projectRow(samples, columns, shifts.data(), centre, out.stride, &all[y * stride]);
+    }
+  });
+  return all;
+}
+
+}  // namespace
+
+PlaceDomain::PlaceDomain(const Swatch& swatch)
+    : width_(swatch.width << kPlaceBits), height_(swatch.height << kPlaceBits) {
+  if (swatch.tileable) return;
+  columns_ = swatch.width - 1, rows_ = swatch.height - 1;
+  usable_.assign(static_cast<std::size_t>(columns_) * rows_, 1);
+  if (!swatch.hasHoles) return;
+  for (std::int32_t y = 0; y < rows_; ++y)
+    for (std::int32_t x = 0; x < columns_; ++x) {
+      const std::size_t texel = static_cast<std::size_t>(y) * swatch.width + x;
+      const std::size_t below = texel + static_cast<std::size_t>(swatch.width);
+      const std::size_t cell = static_cast<std::size_t>(y) * columns_ + x;
+      usable_[cell] = swatch.opaque[texel] && swatch.opaque[texel + 1] && swatch.opaque[below] &&
+                      swatch.opaque[below + 1];
+      if (usable_[cell]) cells_.push_back(static_cast<Index>(cell));
+    }
+  empty_ = cells_.empty();
+}
+
+Place PlaceDomain::moved(Place from, Place way) const {
+  if (tileable()) {
+    const auto folded = [](std::int32_t value, std::int32_t size) {
+      value %= size;
+      return value < 0 ? value + size : value;
+    };
+    return {folded(from.x + way.x, width_), folded(from.y + way.y, height_)};
+  }
+  const Place there{from.x + way.x, from.y + way.y}, back{from.x - way.x, from.y - way.y};
+  return contains(there) ? there : contains(back) ? back : from;
+}
+
+Place PlaceDomain::random(std::uint64_t seed, std::uint64_t id, std::uint64_t salt) const {
+  constexpr std::int32_t kHalf = 1 << (kPlaceBits - 1);
+  const auto below = [&](std::int32_t count, std::uint64_t axis) {
+    return static_cast<std::int32_t>(
+        hashBelow(static_cast<std::uint64_t>(count), seed, id, salt, axis));
+  };
+  if (tileable()) return {below(width_, 1), below(height_, 2)};
+  const std::size_t cell = cells_.empty() ? hashBelow(usable_.size(), seed, id, salt, 0)
+                                          : cells_[hashBelow(cells_.size(), seed, id, salt, 0)];
+  const auto column = static_cast<std::int32_t>(cell % static_cast<std::size_t>(columns_));
+  const auto row = static_cast<std::int32_t>(cell / static_cast<std::size_t>(columns_));
+  return {(column << kPlaceBits) + kHalf + below(1 << kPlaceBits, 1),
+          (row << kPlaceBits) + kHalf + below(1 << kPlaceBits, 2)};
+}
+
+AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Monitor& monitor) {
+  AppearanceLevel out{.level = level};
+  const int perStep = samplesPerStep(swatch, level);
+  out.shift = kPlaceBits + level - std::countr_zero(static_cast<unsigned>(perStep));
+  const std::int32_t least = std::min(swatch.width, swatch.height) << kPlaceBits;
+  out.reach = std::min(kReachSteps << (kPlaceBits + level), least);
+  out.margin = (out.reach >> out.shift) + 2;
+  const auto samplesAlong = [&](int size) {
+    return (((size << kPlaceBits) - 1) >> out.shift) + 1 + 2 * out.margin;
+  };
+  out.stride = samplesAlong(swatch.width);
+  out.rows = samplesAlong(swatch.height);
+  const Samples samples = sampleLevel(swatch, out, perStep, monitor);
+  const Projection projection = principalComponents(samples, PlaceDomain(swatch), out);
+  out.unit = projection.unit * std::sqrt(static_cast<float>(kColours));
+  out.samples = project(samples, projection, 0, out, monitor);
+  for (int q = 1; turned && q < 4; ++q)
+    out.turned[static_cast<std::size_t>(q - 1)] = project(samples, projection, q, out, monitor);
+  return out;
+}
+
+std::int32_t appearanceDistance(const Appearance& a, const Appearance& b) {
+  std::int32_t sum = 0;
+  for (int d = 0; d < kAppearanceNumbers; ++d) {
+    const std::int32_t difference = a.number[d] - b.number[d];
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+int appearanceLevels(const Swatch& swatch) {
+  int levels = 1;
+  while (3 << levels <= std::min(swatch.width, swatch.height)) ++levels;
+  return levels;
+}
+
+}  // namespace dapple

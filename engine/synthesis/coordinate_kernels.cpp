@@ -1,0 +1,206 @@
+// Departure from methods 3.4: a site whose neighbours all predict the place that it has keeps it
+// without looking at the swatch; most sites of fine levels do.
+#include "synthesis/coordinate_kernels.h"
+
+#if defined(__x86_64__)
+#include <emmintrin.h>
+#endif
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "base/hash_rng.h"
+#include "base/simd.h"
+
+namespace dapple {
+namespace {
+
+constexpr std::int32_t kWorst = std::numeric_limits<std::int32_t>::max();
+constexpr std::size_t kAhead = 8;    // members between a row's prefetch and its use
+constexpr std::size_t kBoundAt = 8;  // terms after which a sum is compared with the best
+
+// Neighbours of a site in columns; what follows the last one repeats the site itself.
+struct alignas(64) NearColumns {
+  std::int32_t wayX[kMostNear], wayY[kMostNear];
+  std::int32_t placeX[kMostNear], placeY[kMostNear];  // predicted
+  std::int32_t open[kMostNear];                       // predictions not yet tried, -1 or 0
+  Appearance look[kMostNear];
+  std::size_t count;
+};
+
+[[gnu::always_inline]] inline void gather(const PlaceUpdate& u, Index site, NearColumns& near) {
+  const SiteLevel& sites = u.sites;
+  const Index* ids = sites.ids.data() + site * sites.stride;
+  const Way* ways = sites.ways.data() + site * sites.k;
+  const Place own = u.places[site];
+  std::size_t count = 0;
+  for (std::size_t a = 0; a < sites.k; ++a) {
+    const Way way = ways[a];
+    if (way.x == kNoWay) continue;
+    const Index j = ids[a];
+    const Place place = u.places[j], offset = placesOf(way, sites.level);
+    near.wayX[count] = offset.x, near.wayY[count] = offset.y;
+    near.placeX[count] = place.x - offset.x, near.placeY[count] = place.y - offset.y;
+    near.look[count] = u.looks[j];
+    near.open[count] = -1;
+    if (const int quarters = quartersOf(way); quarters != 0) [[unlikely]] {
+      near.open[count] = 0;
+      near.placeX[count] = own.x, near.placeY[count] = own.y;
+      const auto& turned = u.appearance.turned[static_cast<std::size_t>(quarters - 1)];
+      near.look[count] = turned[static_cast<std::size_t>(u.appearance.indexOf(place))];
+    }
+    ++count;
+  }
+  near.count = count;
+  for (; count < kMostNear; ++count) {
+    near.wayX[count] = near.wayY[count] = 0;
+    near.placeX[count] = own.x, near.placeY[count] = own.y;
+    near.open[count] = 0;
+  }
+}
+
+[[gnu::always_inline]] inline void wrapAll(const PlaceDomain& domain, NearColumns& near) {
+  const std::int32_t w = domain.width(), h = domain.height();
+  for (std::size_t a = 0; a < kMostNear; ++a) {
+    near.placeX[a] += (near.placeX[a] < 0 ? w : 0) - (near.placeX[a] >= w ? w : 0);
+    near.placeY[a] += (near.placeY[a] < 0 ? h : 0) - (near.placeY[a] >= h ? h : 0);
+  }
+}
+
+// Closes the predictions within `merge` of `place`; whether any is left open.
+[[gnu::always_inline]] inline bool absorb(NearColumns& near, Place place, std::int32_t merge) {
+  std::int32_t left = 0;
+  for (std::size_t a = 0; a < kMostNear; ++a) {
+    const std::int32_t dx = near.placeX[a] - place.x, dy = near.placeY[a] - place.y;
+    const std::int32_t farX = (dx < 0 ? -dx : dx) > merge ? -1 : 0;
+    const std::int32_t farY = (dy < 0 ? -dy : dy) > merge ? -1 : 0;
+    near.open[a] &= farX | farY;
+    left |= near.open[a];
+  }
+  return left != 0;
+}
+
+// Sum over the terms of the squared differences; anything above `bound` when it exceeds that.
+template <bool kPortable>
+[[gnu::always_inline]] inline std::int32_t differences(const AppearanceLevel& appearance,
+                                                       const NearColumns& near, Place place,
+                                                       std::int32_t bound) {
+  alignas(64) std::int32_t index[kMostNear];
+  for (std::size_t a = 0; a < kMostNear; ++a)
+    index[a] = ((place.y + near.wayY[a]) >> appearance.shift) * appearance.stride +
+               ((place.x + near.wayX[a]) >> appearance.shift);
+  const Appearance* origin =
+      appearance.samples.data() + appearance.margin * appearance.stride + appearance.margin;
+#if defined(__x86_64__)
+  if constexpr (!kPortable) {
+    __m128i sums = _mm_setzero_si128();
+    const auto add = [&](std::size_t a) __attribute__((always_inline)) {
+      const __m128i there = _mm_load_si128(reinterpret_cast<const __m128i*>(origin + index[a]));
+      const __m128i wanted = _mm_load_si128(reinterpret_cast<const __m128i*>(&near.look[a]));
+      const __m128i difference = _mm_sub_epi16(there, wanted);
+      sums = _mm_add_epi32(sums, _mm_madd_epi16(difference, difference));
+    };
+    const auto total = [&]() __attribute__((always_inline)) {
+      const __m128i pairs = _mm_add_epi32(sums, _mm_shuffle_epi32(sums, 0x4e));
+      return _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1)));
+    };
+    std::size_t a = 0;
+    for (const std::size_t first = std::min(near.count, kBoundAt); a < first; ++a) add(a);
+    if (a < near.count) {
+      const std::int32_t half = total();
+      if (half > bound) return half;
+      for (; a < near.count; ++a) add(a);
+    }
+    return total();
+  }
+#endif
+  std::int32_t sum = 0;
+  for (std::size_t a = 0; a < near.count; ++a) {
+    if (a == kBoundAt && sum > bound) return sum;
+    sum += appearanceDistance(origin[index[a]], near.look[a]);
+  }
+  return sum;
+}
+
+template <bool kPortable>
+[[gnu::always_inline]] inline Place choose(const PlaceUpdate& u, Index site, NearColumns& near) {
+  const Place own = u.places[site];
+  gather(u, site, near);
+  if (u.domain.tileable()) wrapAll(u.domain, near);
+  if (!absorb(near, own, u.merge)) return own;
+  Place best = own;
+  const float ownUse = u.usage.at(own);
+  float least =
+      ownUse * static_cast<float>(differences<kPortable>(u.appearance, near, own, kWorst));
+  const auto attempt = [&](Place place, float penalty) __attribute__((always_inline)) {
+    const float factor = penalty * u.usage.at(place);
+    const float most = least / factor;
+    const std::int32_t bound = most < 2e9f ? static_cast<std::int32_t>(most) : kWorst;
+    const float error =
+        factor * static_cast<float>(differences<kPortable>(u.appearance, near, place, bound));
+    if (error < least) least = error, best = place;
+  };
+  bool led = false;
+  for (std::size_t a = 0; a < near.count; ++a) {
+    if (near.open[a] == 0) continue;
+    const Place place{near.placeX[a], near.placeY[a]};
+    if (!u.domain.contains(place)) {
+      near.open[a] = 0;
+      led = true;
+      continue;
+    }
+    attempt(place, 1);
+    if (!absorb(near, place, u.merge)) break;
+  }
+  if (led) [[unlikely]]
+    for (int t = 0; t < u.tries; ++t)
+      attempt(u.domain.random(u.seed, site, static_cast<std::uint64_t>(t)), u.strangers);
+  return best;
+}
+
+void prefetchRow(const SiteLevel& sites, Index site) {
+  __builtin_prefetch(sites.ids.data() + site * sites.stride);
+  __builtin_prefetch(sites.ways.data() + site * sites.k);
+}
+
+DAPPLE_CLONES void chooseAll(const PlaceUpdate& update, std::span<const Index> members,
+                             Place* chosen) {
+  NearColumns near;
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    prefetchRow(update.sites, members[std::min(m + kAhead, members.size() - 1)]);
+    chosen[m] = choose<false>(update, members[m], near);
+  }
+}
+
+}  // namespace
+
+Way wayOf(vec2 pixels, int quarters, int level, std::int32_t reach) {
+  const float toWay = std::ldexp(kPlaceScale, -level);
+  const auto rounded = [](float value) {
+    return static_cast<std::int32_t>(value < 0 ? value - 0.5f : value + 0.5f);
+  };
+  const float farthest = static_cast<float>(reach) / kPlaceScale - 0.01f;
+  if (!(std::abs(pixels.x) < farthest && std::abs(pixels.y) < farthest)) return {kNoWay, 0};
+  const std::int32_t x = rounded(pixels.x * toWay), y = rounded(pixels.y * toWay);
+  return {static_cast<std::int16_t>(2 * x + (quarters & 1)),
+          static_cast<std::int16_t>(2 * y + (quarters >> 1))};
+}
+
+void choosePlaces(const PlaceUpdate& update, std::span<const Index> members, Place* chosen,
+                  bool portable) {
+  if (!portable) return chooseAll(update, members, chosen);
+  NearColumns near;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    chosen[m] = choose<true>(update, members[m], near);
+}
+
+float placeError(const PlaceUpdate& update, Index site) {
+  NearColumns near;
+  gather(update, site, near);
+  if (near.count == 0) return 0;
+  return static_cast<float>(
+             differences<true>(update.appearance, near, update.places[site], kWorst)) /
+         static_cast<float>(near.count);
+}
+
+}  // namespace dapple

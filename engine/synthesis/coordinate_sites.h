@@ -1,0 +1,41 @@
+// What coordinates are synthesized on: sites that know their neighbours and the way to each, in
+// swatch pixels. Points of a surface, a plane and a torus all come down to this.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "swatch/appearance.h"
+
+namespace dapple {
+
+inline constexpr std::size_t kMostNear = 16;  // neighbours of a site that take part
+
+// From a site to a neighbour as both see it, in 1/2048 of a level's step: way(i, j) = -way(j, i).
+// The lowest bits of x and y together count the quarters by which the neighbour's axes are turned
+// to the left of the site's own; then the way is not the same from both ends.
+struct Way {
+  std::int16_t x, y;
+};
+inline constexpr std::int16_t kNoWay = std::numeric_limits<std::int16_t>::min();  // as x
+
+inline int quartersOf(Way way) {
+  return (way.x & 1) | (way.y & 1) << 1;
+}
+inline Place placesOf(Way way, int level) {
+  return {(way.x >> 1) * (1 << level), (way.y >> 1) * (1 << level)};
+}
+// kNoWay when it is longer than `reach` along an axis. `pixels`: x right, y down.
+Way wayOf(vec2 pixels, int quarters, int level, std::int32_t reach);
+
+struct SiteLevel {
+  int level = 0;                     // its step is 2^level pixels
+  std::size_t size = 0;              // n
+  std::size_t k = 0;                 // neighbours of a site, at most kMostNear
+  std::size_t stride = 0;            // ids from one site's row to the next one's
+  std::span<const Index> ids;        // n x stride
+  std::vector<Way> ways;             // n x k
+  std::vector<std::uint8_t> frozen;  // n: keeps its place; empty: none does
+};
+
+}  // namespace dapple

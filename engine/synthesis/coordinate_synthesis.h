@@ -1,0 +1,23 @@
+// Coarse-to-fine synthesis of coordinates: every point holds a place of the swatch, and takes that
+// of a neighbour's continuation which fits all of them best (methods: 3.4).
+#pragma once
+
+#include "base/monitor.h"
+#include "synthesis/source_map.h"
+#include "synthesis/synthesis_input.h"
+
+namespace dapple {
+
+struct CoordinateOptions {
+  int levels = 0;   // 0: as many as the swatch asks for
+  int quality = 2;  // passes over the finest level
+  std::uint64_t seed = 1;
+};
+
+// Colours every point of `map`. Writes texel, frame, colour, state = Matched, patch (pieces that
+// are copied from the swatch as they are), error and order. The same bytes at any number of
+// threads. Throws Cancelled; then the map is as it was.
+void synthesizeCoordinates(const SynthesisInput& input, const CoordinateOptions& options,
+                           SourceMap& map, Monitor& monitor);
+
+}  // namespace dapple
