@@ -20,7 +20,7 @@ namespace {
 constexpr int kTaps = 2;  // texels to each side
 constexpr int kSide = 2 * kTaps + 1, kColours = 3;
 constexpr int kNumbers = kSide * kSide * kColours;
-constexpr float kTapWidth = 1.5f;  // of the Gaussian that weighs them, steps
+constexpr float kTapWidth = 2.2f;  // of the Gaussian that weighs them, steps
 constexpr float kLargest = 1000;   // of a number: 24 squared differences of 8 sums fit 31 bits
 constexpr float kClipped = 1400;
 constexpr std::int32_t kReachSteps = 4;

@@ -27,9 +27,6 @@ struct PlaceUpdate {
   const Place* places;      // n
   const Appearance* looks;  // n: appearance.at(places)
   std::int32_t merge;       // predictions nearer than this are one, place units
-  float strangers;          // factor of errors of places that no neighbour predicts
-  int tries;                // strangers that are tried where a prediction leads out of the swatch
-  std::uint64_t seed;       // of this pass
 };
 
 // The places that `members` take, written to `chosen`: none of them is any other's input.

@@ -9,18 +9,12 @@
 
 namespace dapple {
 
-struct RelaxationOptions {
-  std::uint64_t seed = 1;
-  bool portable = false;  // keep off SIMD (for tests: the result is the same)
-};
-
 class PlaceRelaxation {
  public:
-  // Of passes that go on where the last one ended. All are kept by reference; `places` (n) are
+  // All are kept by reference; `places` (n) are
   // contained in the domain. Throws Cancelled.
   PlaceRelaxation(const SiteLevel& sites, const AppearanceLevel& appearance,
-                  const PlaceDomain& domain, const RelaxationOptions& options,
-                  std::vector<Place>& places, Monitor& monitor);
+                  const PlaceDomain& domain, std::vector<Place>& places, Monitor& monitor);
 
   std::size_t free() const { return order_.ids.size(); }  // sites that are not frozen
 
@@ -28,19 +22,18 @@ class PlaceRelaxation {
   // Returns how many sites it had. The same places at any number of threads. Throws Cancelled;
   // then places are a mixture of before and after.
   static constexpr std::size_t kClasses = ClassOrder::kClasses;
-  std::size_t updateClass(int pass, std::size_t number, Monitor& monitor);
+  std::size_t updateClass(std::size_t number, Monitor& monitor);
 
   // Root mean square difference per term, 0..1 (n).
   std::vector<float> errors(Monitor& monitor) const;
 
  private:
   void countUsage(Monitor& monitor);
-  PlaceUpdate update(std::uint64_t seed) const;
+  PlaceUpdate update() const;
 
   const SiteLevel& sites_;
   const AppearanceLevel& appearance_;
   const PlaceDomain& domain_;
-  RelaxationOptions options_;
   std::vector<Place>& places_;
   std::vector<Appearance> looks_;
   ClassOrder order_;

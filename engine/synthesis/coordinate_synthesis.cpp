@@ -13,8 +13,8 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr int kPassesPerLevel = 4;  // more on each coarser level
-constexpr int kFirstPasses = 4;     // more on the coarsest, which starts at random
+constexpr int kPassesPerLevel = 3;  // more on each coarser level
+constexpr int kFirstPasses = 20;    // more on the coarsest, which starts at random
 constexpr float kUnfiltered =
     1.25f;  // of a pixel: spacing up to which points read the swatch itself
 
@@ -106,14 +106,11 @@ class Synthesizer {
     const AppearanceLevel appearance =
         makeAppearance(in_.swatch, surface_[l].level, true, monitor_);
     const SiteLevel sites = ways_.sitesOf(surface_[l], appearance.reach, monitor_);
-    PlaceRelaxation relaxation(
-        sites, appearance, domain_,
-        {.seed = hashBits(options_.seed, static_cast<std::uint64_t>(surface_[l].level), 5)},
-        places_, monitor_);
+    PlaceRelaxation relaxation(sites, appearance, domain_, places_, monitor_);
     const int passes = passesOf(l);
     for (int pass = 0; pass < passes; ++pass)
       for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) {
-        relaxation.updateClass(pass, c, monitor_);
+        relaxation.updateClass(c, monitor_);
         worked(sizeOf(l) / PlaceRelaxation::kClasses);
         if (monitor_.wantsPreview()) preview(l);
       }
@@ -160,7 +157,12 @@ class Synthesizer {
     map_.frame = in_.frames;
     map_.state.assign(n, PointState::Matched);
     map_.patch.assign(n, kNone);
-    map_.order.assign(n, 0);
+    map_.order.assign(n, kNone);
+    for (std::size_t l = surface_.size(); l-- > 0;)
+      for (std::size_t i = 0; i < sizeOf(l); ++i) {
+        Index& order = map_.order[pointAt(surface_[l], i)];
+        if (order == kNone) order = static_cast<Index>(surface_.size() - 1 - l);
+      }
   }
 
   const SynthesisInput& in_;

@@ -10,7 +10,7 @@ namespace dapple {
 
 struct CoordinateOptions {
   int levels = 0;   // 0: as many as the swatch asks for
-  int quality = 2;  // passes over the finest level
+  int quality = 1;  // passes over the finest level
   std::uint64_t seed = 1;
 };
 

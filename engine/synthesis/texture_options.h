@@ -32,7 +32,7 @@ struct TextureOptions {
   GridAssign assign = GridAssign::Multi;
   bool gridSeams = true;
   int gridNeighbours = 0;
-  int passes = 2;
+  int passes = 1;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
   FieldMethod field = FieldMethod::Smooth;
