@@ -15,12 +15,6 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 constexpr int kPassesPerLevel = 3;  // more on each coarser level
 constexpr int kFirstPasses = 20;    // more on the coarsest, which starts at random
-constexpr float kUnfiltered =
-    1.25f;  // of a pixel: spacing up to which points read the swatch itself
-
-Index pointAt(const SurfaceLevel& level, std::size_t site) {
-  return level.points.empty() ? static_cast<Index>(site) : level.points[site];
-}
 
 class Synthesizer {
  public:
@@ -117,15 +111,6 @@ class Synthesizer {
     if (l == 0) errors_ = relaxation.errors(monitor_);
   }
 
-  float filterOf(std::size_t i) const {
-    const auto row = in_.neighborhoods.of(i);
-    const float k = static_cast<float>(row.size());
-    const float spacing =
-        distanceBetween(in_.points.positions[i], in_.points.positions[row.back()]) *
-        std::sqrt(3.14159265f / (k + 0.5f));
-    return filterLevel(spacing / kUnfiltered, in_.unitAt(i));
-  }
-
   // Every point as its ancestor has it.
   void preview(std::size_t l) {
     std::vector<Place> places = places_;
@@ -148,7 +133,7 @@ class Synthesizer {
     parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         texel[i] = texelOf(places_[i]);
-        colour[i] = sampleSwatch(in_.swatch, texel[i], filterOf(i));
+        colour[i] = sampleSwatch(in_.swatch, texel[i], readLevel(in_, i));
       }
     });
     map_.texel = std::move(texel);

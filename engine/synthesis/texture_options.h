@@ -9,7 +9,7 @@
 
 namespace dapple {
 
-enum class Method { Hybrid, Coordinates, Patches, Match, Grid, Triplanar, Random };
+enum class Method { Hybrid, Coordinates, Tiling, Patches, Match, Grid, Triplanar, Random };
 enum class GapFill {
   Cut,    // patches are aligned, overlap, and are cut where they differ least
   Match,  // as printed: gap points are matched with the swatch
