@@ -1,5 +1,7 @@
 // Repeats a swatch that tiles over a surface without a seam: by a phase field, and where that is
-// stretched too much, by coordinate synthesis (methods: section 9, item 10).
+// stretched too much, by coordinate synthesis (methods: section 9, item 10). Where most is
+// stretched, as on a surface that hardly holds the swatch twice, there is nothing to repeat, and
+// all of it is.
 #pragma once
 
 #include "base/monitor.h"
@@ -9,8 +11,8 @@
 namespace dapple {
 
 struct TilingOptions {
-  float stretch = 0.4f;  // pixels per pixel: points that are off by more are synthesized
-  int starts = 3;        // of the phase field, of which the smoothest is taken
+  float stretch = 0.25f;  // pixels per pixel: points that are off by more are synthesized
+  int starts = 3;         // of the phase field, of which the smoothest is taken
   std::uint64_t seed = 1;
 };
 
