@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "fixtures.h"
+#include "synthesis/coordinate_synthesis.h"
 #include "synthesis/phase_field.h"
 #include "synthesis/tiling_synthesis.h"
 
@@ -247,6 +248,33 @@ TEST_CASE("tiling: the residual shows the poles of a sphere, and handing them ov
   CHECK(pole > 0.4 * poles);
   CHECK(shareAbove(phases.error, 0.4f) < 0.12);
   CHECK(seamError(scan, swatch, mended, open) < 0.8 * seamError(scan, swatch, phases, open));
+}
+
+TEST_CASE("tiling leaves a surface that hardly holds the swatch to coordinates") {
+  const Scan scan = cylinder(kSize, 60);  // less than half around
+  const Swatch swatch = swatchOf(noise(2 * kSize + kSize / 4));
+  const SourceMap phases = tiled(scan, swatch, kPhasesOnly), map = tiled(scan, swatch);
+  Workers workers(2);
+  Monitor monitor(workers);
+  SourceMap coordinates = emptySourceMap(scan.points.size(), scan.unit);
+  synthesizeCoordinates(scan.input(swatch), {.seed = 1}, coordinates, monitor);
+  CHECK(shareAbove(phases.error, TilingOptions{}.stretch) > 0.6);
+  CHECK(sameBytes(map.texel, coordinates.texel));
+  CHECK(sameBytes(map.error, phases.error));
+}
+
+TEST_CASE("tiling: stopping throws Cancelled and leaves the map as it was") {
+  Workers workers(2);
+  std::stop_source stop;
+  Monitor monitor(workers, stop.get_token(),
+                  {.preview = [&](const Preview&) { stop.request_stop(); }});
+  const Scan scan = plane(100, 80);
+  const Swatch swatch = swatchOf(noise(kSize));
+  SourceMap map = emptySourceMap(scan.points.size(), scan.unit);
+  const SourceMap before = map;
+  CHECK_THROWS_AS(synthesizeTiling(scan.input(swatch), {}, map, monitor), Cancelled);
+  CHECK(sameBytes(map.texel, before.texel));
+  CHECK(sameBytes(map.state, before.state));
 }
 
 TEST_CASE("tiling refuses a swatch that does not tile") {
