@@ -39,8 +39,11 @@ constexpr bool pastesSquares(const T& o) {
 constexpr bool isCoordinates(const T& o) {
   return o.method == Method::Coordinates;
 }
+constexpr bool relaxesPlaces(const T& o) {
+  return isCoordinates(o) || o.method == Method::Tiling;
+}
 constexpr bool isDirected(const T& o) {
-  return growsPatches(o) || matchesOrGrid(o) || isCoordinates(o);
+  return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o);
 }
 constexpr bool isSpread(const T& o) {
   return isDirected(o) && o.field != FieldMethod::Up && o.field != FieldMethod::Random;
@@ -55,7 +58,7 @@ constexpr bool mayFollow(const T& o) {
 constexpr std::array kTable = {
     OptionRow{.name = "method",
               .field = &T::method,
-              .choices = "auto|hybrid|coordinates|patches|match|grid|triplanar|random",
+              .choices = "auto|hybrid|coordinates|tiling|patches|match|grid|triplanar|random",
               .help = "how points get their colour; auto chooses by the swatch, triplanar and "
                       "random are baselines"},
     OptionRow{.name = "neighbours",

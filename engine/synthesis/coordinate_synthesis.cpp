@@ -16,12 +16,6 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr float kUnfiltered =
-    1.25f;  // of a pixel: spacing up to which points read the swatch itself
-
-Index pointAt(const SurfaceLevel& level, std::size_t site) {
-  return level.points.empty() ? static_cast<Index>(site) : level.points[site];
-}
 
 class Synthesizer {
  public:
@@ -134,15 +128,6 @@ class Synthesizer {
     if (l == 0) errors_ = relaxation.errors(monitor_);
   }
 
-  float filterOf(std::size_t i) const {
-    const auto row = in_.neighborhoods.of(i);
-    const float k = static_cast<float>(row.size());
-    const float spacing =
-        distanceBetween(in_.points.positions[i], in_.points.positions[row.back()]) *
-        std::sqrt(std::numbers::pi_v<float> / (k + 0.5f));
-    return filterLevel(spacing / kUnfiltered, in_.unitAt(i));
-  }
-
   // Every point as its ancestor has it.
   void preview(std::size_t l) {
     std::vector<Place> places = places_;
@@ -166,7 +151,7 @@ class Synthesizer {
       for (std::size_t i = begin; i < end; ++i) {
         if (in_.isKept(i)) continue;
         texel[i] = texelOf(places_[i]);
-        colour[i] = sampleSwatch(in_.swatch, texel[i], filterOf(i));
+        colour[i] = sampleSwatch(in_.swatch, texel[i], readLevel(in_, i));
       }
     });
     map_.texel = std::move(texel);

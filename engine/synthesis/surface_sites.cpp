@@ -21,14 +21,7 @@ constexpr float kDense = 0.7f;           // of a pixel: spacing below which poin
 constexpr double kDenseShare = 0.05;     // of the points that makes it worth while
 constexpr float kSparse = 1.7f;          // of a step: spacing beyond which a site is frozen
 constexpr float kGrazing = 0.05f;        // least sine of a direction to the normal
-
-Index pointAt(const SurfaceLevel& level, std::size_t site) {
-  return level.points.empty() ? static_cast<Index>(site) : level.points[site];
-}
-
-const Neighborhoods& nearOf(const SurfaceLevel& level, const SynthesisInput& input) {
-  return level.points.empty() ? input.neighborhoods : level.near;
-}
+constexpr float kUnfiltered = 1.25f;  // of a pixel: spacing up to which the swatch itself is read
 
 // Spacing over the size of a pixel there, for every point.
 std::vector<float> densities(const SynthesisInput& input) {
@@ -157,6 +150,15 @@ int firstLevel(const SynthesisInput& input) {
 }
 
 }  // namespace
+
+float readLevel(const SynthesisInput& input, std::size_t point) {
+  const auto row = input.neighborhoods.of(point);
+  const float k = static_cast<float>(row.size());
+  const float spacing =
+      distanceBetween(input.points.positions[point], input.points.positions[row.back()]) *
+      std::sqrt(std::numbers::pi_v<float> / (k + 0.5f));
+  return filterLevel(spacing / kUnfiltered, input.unitAt(point));
+}
 
 std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, Monitor& monitor) {
   std::vector<SurfaceLevel> out(1);

@@ -14,6 +14,17 @@ struct SurfaceLevel {
   std::vector<Index> parent;  // n_l, indices of the next level's points; empty at the last
 };
 
+inline Index pointAt(const SurfaceLevel& level, std::size_t site) {
+  return level.points.empty() ? static_cast<Index>(site) : level.points[site];
+}
+inline const Neighborhoods& nearOf(const SurfaceLevel& level, const SynthesisInput& input) {
+  return level.points.empty() ? input.neighborhoods : level.near;
+}
+
+// The level of the swatch's stack that a point shows: the swatch itself as long as points lie about
+// a pixel apart.
+float readLevel(const SynthesisInput& input, std::size_t point);
+
 // Finest first, down to `levels` or to a few sites. Steps are of absolute size: where points lie
 // further apart than a step all of them stay, and where they are closer than pixels the first
 // levels lie below 0. Points of level l + 1 are points of level l as well. Throws Cancelled.

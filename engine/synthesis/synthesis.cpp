@@ -9,6 +9,7 @@
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
+#include "synthesis/tiling_synthesis.h"
 
 namespace dapple {
 namespace {
@@ -93,6 +94,9 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       break;
     case Method::Coordinates:
       synthesizeCoordinates(input, {.quality = options.passes, .seed = options.seed}, map, monitor);
+      break;
+    case Method::Tiling:
+      synthesizeTiling(input, {.seed = options.seed}, map, monitor);
       break;
     case Method::Triplanar:
       projectTriplanar(input, map, monitor);

@@ -1,0 +1,26 @@
+// Repeats a swatch that tiles over a surface without a seam: by a phase field, and where that is
+// stretched too much, by coordinate synthesis (methods: section 9, item 10). Where most is
+// stretched, as on a surface that hardly holds the swatch twice, there is nothing to repeat, and
+// all of it is.
+#pragma once
+
+#include "base/monitor.h"
+#include "synthesis/source_map.h"
+#include "synthesis/synthesis_input.h"
+
+namespace dapple {
+
+struct TilingOptions {
+  float stretch = 0.25f;  // pixels per pixel: points that are off by more are synthesized
+  int starts = 3;         // of the phase field, of which the smoothest is taken
+  std::uint64_t seed = 1;
+};
+
+// Colours every point of `map`. Writes texel, frame, colour, state = Matched, patch, order and
+// error: by how much the phase field is stretched, pixels per pixel. The same bytes at any number
+// of threads. Throws InvalidInput when the swatch does not tile, Cancelled; then the map is as it
+// was.
+void synthesizeTiling(const SynthesisInput& input, const TilingOptions& options, SourceMap& map,
+                      Monitor& monitor);
+
+}  // namespace dapple
