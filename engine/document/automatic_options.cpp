@@ -83,8 +83,7 @@ AutomaticOptions chosenOptions(const TextureOptions& given, const AutomaticInput
   if (given.method != Method::Auto) return chooser.out;
   const std::string_view method = methodFor(input.swatch.kind());
   setOption(chooser.out.options, *findOption("method"), method);
-  chooser.out.reasons.push_back(
-      fmt::format("method {}: {}.", method, patternText(input.swatch)));
+  chooser.out.reasons.push_back(fmt::format("method {}: {}.", method, patternText(input.swatch)));
   chooseDirections(input, chooser);
   warnOfScale(input, chooser.out);
   return chooser.out;
