@@ -277,7 +277,39 @@ TEST_CASE("tiling: stopping throws Cancelled and leaves the map as it was") {
   CHECK(sameBytes(map.state, before.state));
 }
 
-TEST_CASE("tiling refuses a swatch that does not tile") {
+TEST_CASE("of a swatch that does not tile, one that does is made and repeated") {
+  const Scan scan = plane(150, 110);
+  const Swatch swatch = swatchOf(noise(kSize), Tileable::No);
+  const SourceMap map = tiled(scan, swatch);
+  std::size_t goesOn = 0, same = 0, pairs = 0;
+  for (Index i = 0; i < scan.points.size(); ++i) {
+    REQUIRE(usableTexel(swatch, map.texel[i]));
+    const Index j = scan.neighborhoods.of(i)[0];
+    const vec3 way = scan.points.positions[j] - scan.points.positions[i];
+    const vec2 off = map.texel[j] - map.texel[i] - vec2(way.x, -way.y);
+    goesOn += glm::length(off) < 0.6f ? 1 : 0;
+  }
+  // Pieces of the swatch, not single texels; and the same again where the larger one begins anew.
+  CHECK(goesOn > scan.points.size() * 6 / 10);
+  for (Index i = 0; i < scan.points.size(); i += 7) {
+    const vec3 wanted = scan.points.positions[i] + vec3(2 * kSize, 0, 0);
+    for (Index j = 0; j < scan.points.size(); ++j) {
+      const vec3 way = wanted - scan.points.positions[j];
+      if (glm::length(way) > 0.35f) continue;
+      ++pairs;
+      same += glm::length(map.texel[j] - map.texel[i] + vec2(way.x, -way.y)) < 0.6f ? 1 : 0;
+      break;
+    }
+  }
+  CHECK(pairs > 300);
+  CHECK(same > pairs * 8 / 10);
+}
+
+TEST_CASE("tiling refuses a swatch that nothing can be read from between texels") {
+  Image image = noise(4);
+  image.channels = 4;
+  image.pixels.assign(4 * 4 * 4, 0);
+  image.at(1, 1, 3) = 1;
   const Scan scan = plane(20, 20);
-  CHECK_THROWS_AS(tiled(scan, swatchOf(noise(kSize), Tileable::No)), InvalidInput);
+  CHECK_THROWS_AS(tiled(scan, swatchOf(image, Tileable::No)), InvalidInput);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "synthesis/coordinate_grid.h"
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/phase_field.h"
 #include "synthesis/place_repair.h"
@@ -13,6 +14,7 @@ namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
+constexpr int kLargestSide = 512;  // pixels: a repeated swatch is twice as large as far as this
 // Of the points: when more are stretched too much, coordinates are synthesized from the start. F of
 // acg_bricks102 on the bunny, 0.79 of which is stretched: 0.55 within phases, 0.76 without.
 constexpr double kMostOpen = 0.6;
@@ -106,16 +108,64 @@ class Tiling {
   std::vector<float> residual_;  // n
 };
 
+// A swatch that repeats, made of one that does not, and where its pixels come from.
+struct Repeated {
+  Swatch swatch;
+  std::vector<Place> places;  // w x h, in the swatch that it is made of
+};
+
+Repeated repeated(const Swatch& swatch, std::uint64_t seed, Monitor& monitor) {
+  const auto side = [](int size) { return size <= kLargestSide / 2 ? 2 * size : size; };
+  const CoordinateGrid grid{side(swatch.width), side(swatch.height), true};
+  Repeated out{.places = synthesizeGrid(swatch, grid, {.seed = seed}, monitor)};
+  Image image{.width = grid.width, .height = grid.height, .channels = 3};
+  for (const Place place : out.places) {
+    const vec3 colour = sampleSwatch(swatch, texelOf(place));
+    image.pixels.insert(image.pixels.end(), {colour.r, colour.g, colour.b});
+  }
+  out.swatch = makeSwatch(image, Tileable::Yes, static_cast<int>(swatch.stack.size()), {});
+  return out;
+}
+
+// From texels of the repeated swatch to those that its pixels are made of.
+void translate(const SynthesisInput& input, const Repeated& from, SourceMap& map,
+               Monitor& monitor) {
+  parallelFor(monitor, map.texel.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const vec2 texel = wrapTexel(from.swatch, map.texel[i]);
+      const vec2 pixel =
+          glm::min(glm::floor(texel), vec2(from.swatch.width - 1, from.swatch.height - 1));
+      const vec2 centre = texelOf(from.places[static_cast<std::size_t>(pixel.y) *
+                                                  static_cast<std::size_t>(from.swatch.width) +
+                                              static_cast<std::size_t>(pixel.x)]);
+      const vec2 within = centre + texel - pixel - 0.5f;
+      map.texel[i] = usableTexel(input.swatch, within) ? within : centre;
+      map.colour[i] = sampleSwatch(input.swatch, map.texel[i], readLevel(input, i));
+    }
+  });
+}
+
 }  // namespace
 
 void synthesizeTiling(const SynthesisInput& input, const TilingOptions& options, SourceMap& map,
                       Monitor& monitor) {
   DAPPLE_CHECK(input.frames.size(), ==, input.points.size());
-  if (!input.swatch.tileable)
-    throw InvalidInput(
-        "tiling: the swatch does not repeat seamlessly; choose one that does, take --method "
-        "coordinates, or say --tileable yes");
-  Tiling(input, options, monitor).run(map);
+  if (input.swatch.tileable) return Tiling(input, options, monitor).run(map);
+  const Repeated from = repeated(input.swatch, options.seed, monitor);
+  monitor.begin(Stage::Synthesis, input.points.size());
+  SourceMap made = map;
+  Tiling({.points = input.points,
+          .neighborhoods = input.neighborhoods,
+          .swatch = from.swatch,
+          .frames = input.frames,
+          .unit = input.unit,
+          .scale = input.scale,
+          .chart = input.chart,
+          .symmetry = input.symmetry},
+         options, monitor)
+      .run(made);
+  translate(input, from, made, monitor);
+  map = std::move(made);
 }
 
 }  // namespace dapple

@@ -1,7 +1,7 @@
 // Repeats a swatch that tiles over a surface without a seam: by a phase field, and where that is
 // stretched too much, by coordinate synthesis (methods: section 9, item 10). Where most is
 // stretched, as on a surface that hardly holds the swatch twice, there is nothing to repeat, and
-// all of it is.
+// all of it is. Of a swatch that does not tile a larger one that does is synthesized first.
 #pragma once
 
 #include "base/monitor.h"
@@ -18,8 +18,8 @@ struct TilingOptions {
 
 // Colours every point of `map`. Writes texel, frame, colour, state = Matched, patch, order and
 // error: by how much the phase field is stretched, pixels per pixel. The same bytes at any number
-// of threads. Throws InvalidInput when the swatch does not tile, Cancelled; then the map is as it
-// was.
+// of threads. Throws InvalidInput when the swatch does not tile and has nothing to be read between
+// texels; Cancelled. Then the map is as it was.
 void synthesizeTiling(const SynthesisInput& input, const TilingOptions& options, SourceMap& map,
                       Monitor& monitor);
 
