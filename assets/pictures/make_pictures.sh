@@ -33,12 +33,15 @@ draw() {
 }
 
 size=960x720 view=front
-texture scales hybrid demo  # as in ./demo
+texture scales auto demo  # as in ./demo
 
 size=480x360
-for swatch in pebbles leopard bricks knit lichen terrazzo; do
+for swatch in pebbles leopard lichen; do
   texture "$swatch" hybrid "${swatch}_hybrid"
 done
+texture bricks tiling bricks_tiling
+texture knit coordinates knit_coordinates
+texture wood coordinates wood_coordinates
 for method in patches match triplanar; do
   texture scales "$method" "scales_$method"
 done
