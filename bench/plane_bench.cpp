@@ -228,7 +228,7 @@ bool gate(const std::string& name, const PlaneMeasures& m, const Figures& gmic,
 
 // Which programs there are, and how many samples they have passed.
 struct Standing {
-  bool hasGmic = false, hasDapple = false;
+  bool hasGmic = false;
   int cases = 0, gmic = 0, dapple = 0;
 };
 
@@ -262,9 +262,7 @@ void runCase(const Case& c, const Arguments& arguments, Workers& workers, Standi
     gmic = {m->coh7, m->seam, m->com15, m->per};
     standing.gmic += gate(kGmic.name, *m, gmic, c.resynthesizer);
   }
-  if (!standing.hasDapple)
-    fmt::print("  {:<18}not yet\n", kDapple.name);
-  else if (const auto m = measured(kDapple, sample, in, workers))
+  if (const auto m = measured(kDapple, sample, in, workers))
     standing.dapple += gate(kDapple.name, *m, gmic, c.resynthesizer);
 }
 
@@ -294,8 +292,6 @@ int main(int argc, char** argv) try {
   Workers workers;
   Standing standing;
   standing.hasGmic = secondsOf("gmic -version").has_value();
-  standing.hasDapple =
-      secondsOf(fmt::format("'{}' --help | grep synth2d", DAPPLE_PROGRAM)).has_value();
   if (!standing.hasGmic)
     fmt::print("gmic is not there (Debian's package gmic): its earlier figures count\n");
   for (const Case& c : kCases) {
@@ -304,11 +300,9 @@ int main(int argc, char** argv) try {
     runCase(c, arguments, workers, standing);
     if (arguments.quick && standing.cases == 3) break;
   }
-  const auto passed = [&](bool there, int count) {
-    return there ? fmt::format("{} of {}", count, standing.cases) : "not there";
-  };
-  fmt::print("gate passed: G'MIC {}, Dapple {}\n", passed(standing.hasGmic, standing.gmic),
-             passed(standing.hasDapple, standing.dapple));
+  fmt::print("gate passed: G'MIC {}, Dapple {} of {}\n",
+             standing.hasGmic ? fmt::format("{}", standing.gmic) : "not there", standing.dapple,
+             standing.cases);
   if (!arguments.keep) fs::remove_all(arguments.folder);
   return 0;
 } catch (const std::exception& error) {

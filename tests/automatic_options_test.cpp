@@ -13,7 +13,7 @@ namespace {
 
 SwatchAnalysis swatchTurned(SelfMatch turned) {
   SwatchAnalysis a;
-  a.feature = 10, a.turned = turned, a.lattice = 0.5;
+  a.feature = 10, a.turned = turned, a.lattice = 0.5, a.area = 100 * 100;
   return a;
 }
 
@@ -26,6 +26,12 @@ AutomaticOptions chosen(const SwatchAnalysis& swatch, const std::vector<std::str
                        {.swatch = swatch, .points = 40000, .strokes = strokes, .kept = kept});
 }
 
+// On a surface that hardly holds the swatch.
+TextureOptions chosenNarrow(const SwatchAnalysis& swatch) {
+  return chosenOptions({}, {.swatch = swatch, .points = 15000, .strokes = false, .kept = {}})
+      .options;
+}
+
 }  // namespace
 
 TEST_CASE("coordinates where a turn shows, and patches that run straight on where none does") {
@@ -33,6 +39,22 @@ TEST_CASE("coordinates where a turn shows, and patches that run straight on wher
   CHECK(chosen(kGravel).options.follow == false);
   for (const SwatchAnalysis& swatch : {kStripes, kChecks, kScales})
     CHECK(chosen(swatch).options == TextureOptions{.method = Method::Coordinates});
+}
+
+TEST_CASE("without room for coordinates patches follow, with the symmetry of the swatch") {
+  for (const auto& [swatch, symmetry] :
+       {std::pair(kStripes, FieldSymmetry::Half), std::pair(kChecks, FieldSymmetry::Quarter),
+        std::pair(kScales, FieldSymmetry::None)}) {
+    const TextureOptions options = chosenNarrow(swatch);
+    CHECK(options.method == Method::Hybrid);
+    CHECK(options.follow);
+    CHECK(options.symmetry == symmetry);
+    CHECK(options.distortion == (symmetry == FieldSymmetry::None ? 3.2 : 1.6));
+  }
+  // Larger pixels, less room.
+  TextureOptions large;
+  large.scale = 2;
+  CHECK(chosen(kStripes, {"scale"}, large).options.method == Method::Hybrid);
 }
 
 TEST_CASE("strokes are followed whatever the swatch is") {
@@ -80,7 +102,8 @@ TEST_CASE("a result has the options that auto stood for, and the swatch is analy
   document = fixtures::applied(document, Synthesize{});
   CHECK(document.regions->front().options.method == Method::Auto);
   const auto first = document.results.sources.front();
-  CHECK(first->options.method == Method::Coordinates);
+  CHECK(first->options.method == Method::Hybrid);
+  CHECK(first->options.symmetry == FieldSymmetry::Half);
   REQUIRE(first->analysis);
   document = fixtures::applied(document, Synthesize{});
   CHECK(document.results.sources.front() != first);

@@ -62,7 +62,7 @@ void check(const std::filesystem::path& folder, std::span<const Expected> table)
     CHECK(a.feature >= expected.leastFeature);
     CHECK(a.feature <= expected.mostFeature);
     const AutomaticOptions chosen =
-        chosenOptions({}, {.swatch = a, .points = 40000, .strokes = false, .kept = {}});
+        chosenOptions({}, {.swatch = a, .points = 1'000'000, .strokes = false, .kept = {}});
     CHECK(chosen.options.method ==
           (expected.kind == Isotropic ? Method::Hybrid : Method::Coordinates));
   }

@@ -1,9 +1,13 @@
 // The rules come from measured scores: mean F, and F along the directions, of 22 swatches on the
 // bunny. With 40 000 points patches that follow directions without symmetry .52 / .49, with
-// --symmetry 180 .59 / .47, that do not follow them .59 / .30: following costs quality, and not
-// following all direction. With 85 000 points, of the 9 swatches with a direction: the best of
-// these .64 / .56, coordinates .66 / .63; of the 13 others .71 and .61. Coordinates with
-// --symmetry 180 gain .09 on a twill and lose as much on wood, .16 on bricks.
+// --symmetry 180 .59 / .47, that do not follow them .59 / .30: following thus costs quality only
+// where there are directions of a whole turn, and not following costs all direction. With 85 000
+// points, of the 9 swatches with a direction: the best of these .64 / .56, coordinates .66 / .63;
+// of the 13 others .71 and .61. Coordinates with --symmetry 180 gain .09 on a twill and lose as
+// much on wood, .16 on bricks. Coordinates want room: of 11 swatches with a direction patches that
+// follow without symmetry and coordinates have .48 and .34 with 12 000 points, .52 and .50 with 35
+// 000. Where the surface holds the swatch up to 2.1 times coordinates lose up to .37, from 2.3
+// times on they nearly always win.
 #include "document/automatic_options.h"
 
 #include <algorithm>
@@ -16,11 +20,8 @@ namespace {
 
 constexpr double kFeatureSpacings = 8;    // a feature has at least, or it is not recognised
 constexpr double kFeaturesOfSurface = 3;  // the surface is wide, at least
-
-// The best one for a pattern of this kind.
-std::string_view methodFor(PatternKind kind) {
-  return kind == PatternKind::Isotropic ? "hybrid" : "coordinates";
-}
+constexpr double kRoomy = 2.2;  // swatches that the surface holds for coordinates, at least
+constexpr std::string_view kFollowDistortion = "3.2";
 
 struct Chooser {
   const std::vector<std::string>& kept;
@@ -47,15 +48,35 @@ std::string patternText(const SwatchAnalysis& swatch) {
   return {};
 }
 
+void chooseMethod(const AutomaticInput& input, Chooser& chooser) {
+  const double scale = chooser.out.options.scale;
+  const double holds = static_cast<double>(input.points) / (scale * scale * input.swatch.area);
+  const bool turns = input.swatch.kind() != PatternKind::Isotropic;
+  const std::string_view method = turns && holds >= kRoomy ? "coordinates" : "hybrid";
+  setOption(chooser.out.options, *findOption("method"), method);
+  std::string reason = patternText(input.swatch);
+  if (turns)
+    reason += fmt::format(", and the surface {} than {:g} times as large",
+                          holds >= kRoomy ? "is more" : "is less", kRoomy);
+  chooser.out.reasons.push_back(fmt::format("method {}: {}.", method, reason));
+}
+
 // Of patches: coordinates follow directions at no cost.
 void chooseDirections(const AutomaticInput& input, Chooser& chooser) {
-  if (input.swatch.kind() != PatternKind::Isotropic) return;
-  if (!input.strokes) {
+  const SwatchAnalysis& swatch = input.swatch;
+  if (chooser.out.options.method == Method::Coordinates) return;
+  if (swatch.kind() == PatternKind::Isotropic && !input.strokes) {
     chooser.choose("follow", "no", "patches may run straight on, with fewer seams");
     return;
   }
-  chooser.choose("follow", "yes", "strokes are drawn");
-  chooser.choose("symmetry", "90", "a quarter turn does not show in the swatch");
+  chooser.choose("follow", "yes", input.strokes ? "strokes are drawn" : "turns show in the swatch");
+  if (swatch.folds() == 2)
+    chooser.choose("symmetry", "180", "half a turn does not show in it");
+  else if (swatch.folds() != 1)
+    chooser.choose("symmetry", "90", "a quarter turn does not show in it");
+  else
+    chooser.choose("distortion", kFollowDistortion,
+                   "only a whole turn leaves it as it is, and larger patches have fewer seams");
 }
 
 // Lengths in spacings; the surface is taken as a square. From the middle of a feature to where
@@ -81,9 +102,7 @@ void warnOfScale(const AutomaticInput& input, AutomaticOptions& out) {
 AutomaticOptions chosenOptions(const TextureOptions& given, const AutomaticInput& input) {
   Chooser chooser{input.kept, {.options = given}};
   if (given.method != Method::Auto) return chooser.out;
-  const std::string_view method = methodFor(input.swatch.kind());
-  setOption(chooser.out.options, *findOption("method"), method);
-  chooser.out.reasons.push_back(fmt::format("method {}: {}.", method, patternText(input.swatch)));
+  chooseMethod(input, chooser);
   chooseDirections(input, chooser);
   warnOfScale(input, chooser.out);
   return chooser.out;

@@ -182,6 +182,7 @@ std::vector<float> scaleBeside(const Results& results, float unit) {
     scale[i] = results.sources[source[i]]->unit / unit;
     if (results.scale) scale[i] *= (*results.scale)[i];
   }
+  if (std::all_of(scale.begin(), scale.end(), [](float s) { return s == 1; })) return {};
   return scale;
 }
 

@@ -61,9 +61,9 @@ std::vector<Index> pointsOf(const Document& document, RegionId id);
 // The colour that a viewer shows (n): results, else the scan's own, else kBare.
 std::vector<vec3> shownColours(const Document& document);
 
-// The results as one map, for what reads a whole scan at once (export). Its scale is that of the
-// largest source; its blends are those of gaps, not of borders (gatherTerms() has all). Throws
-// InvalidInput when nothing is synthesized.
+// The results as one map, for what reads a whole scan at once (export). Its unit is that of the
+// largest source, its scale tells what differs from it; its blends are those of gaps, not of
+// borders (gatherTerms() has all). Throws InvalidInput when nothing is synthesized.
 SourceMap wholeMap(const Document& document);
 
 // The heap blocks that a document holds; the same block has the same address in all that share it.

@@ -170,7 +170,9 @@ SwatchAnalysis analyse(const Swatch& swatch, Monitor& monitor) {
   const int factor = std::max(
       1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(swatch.pixels())) / kSide)));
   const Swatch small = reduced(swatch, factor, monitor);
-  SwatchAnalysis out{.tileable = swatch.tileable, .contrast = swatchContrast(swatch)};
+  SwatchAnalysis out{.tileable = swatch.tileable,
+                     .area = static_cast<double>(swatch.pixels()),
+                     .contrast = swatchContrast(swatch)};
   measureAnisotropy(small, out);
   const Autocorrelation correlation = autocorrelation(small, monitor);
   out.feature = featureSize(radialMean(correlation));

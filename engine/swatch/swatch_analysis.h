@@ -16,6 +16,7 @@ std::string_view patternName(PatternKind kind);  // "isotropic", "directional", 
 
 struct SwatchAnalysis {
   bool tileable = false;
+  double area = 0;        // pixels
   double contrast = 0;    // swatchContrast()
   double anisotropy = 0;  // coherence of the structure tensor: 0 none, 1 changes one way only
   double grain = 0;       // along which colours change least: degrees, [0, 180), from the rows
