@@ -240,8 +240,11 @@ TEST_CASE("kernels choose what plain code chooses") {
         torus.grid.sites.ways[w].x |= 1;  // some neighbours are turned
         torus.grid.sites.ways[w].y |= w % 2;
       }
-      UsageMap usage{.columns = 2, .rows = 1, .factor = {1.0f, 1.3f}};
-      usage.toColumn = 1.999f / static_cast<float>(torus.domain.width());
+      UsageMap usage{.shift = kPlaceBits + 3,
+                     .columns = (torus.domain.width() >> kPlaceBits) / 8 + 1};
+      for (int cell = 0; cell < usage.columns * ((torus.domain.height() >> kPlaceBits) / 8 + 1);
+           ++cell)
+        usage.factor.push_back(1.0f + 0.3f * static_cast<float>(cell % 2));
       const SimilarPlaces similar(torus.appearance, torus.domain, monitor);
       const PlaceUpdate update{.sites = torus.grid.sites,
                                .appearance = torus.appearance,
@@ -250,7 +253,8 @@ TEST_CASE("kernels choose what plain code chooses") {
                                .places = torus.places.data(),
                                .looks = torus.looks.data(),
                                .similar = tileable == Tileable::No ? &similar : nullptr,
-                               .merge = 50};
+                               .merge = 50,
+                               .nearby = 2 << (kPlaceBits + level)};
       std::vector<Index> members(torus.grid.size());
       for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
       std::vector<Place> fast(members.size()), plain(members.size());

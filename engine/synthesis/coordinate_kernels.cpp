@@ -3,7 +3,9 @@
 //   swatch; most sites of fine levels do;
 // - where predictions lead out of a swatch that does not tile, places that look like the
 // neighbour's
-//   are continued instead; random ones gain nothing.
+//   are continued instead; random ones gain nothing;
+// - the mean of predictions that nearly agree is tried as well: what the directions stretch or turn
+//   is spread over many sites in place of breaks.
 #include "synthesis/coordinate_kernels.h"
 
 #if defined(__x86_64__)
@@ -28,6 +30,7 @@ constexpr std::size_t kBoundAt = 8;  // terms after which a sum is compared with
 struct alignas(64) NearColumns {
   std::int32_t wayX[kMostNear], wayY[kMostNear];
   std::int32_t placeX[kMostNear], placeY[kMostNear];  // predicted
+  std::int32_t predicts[kMostNear];                   // -1 or 0
   std::int32_t open[kMostNear];                       // predictions not yet tried, -1 or 0
   Appearance look[kMostNear];
   std::size_t count;
@@ -47,9 +50,9 @@ struct alignas(64) NearColumns {
     near.wayX[count] = offset.x, near.wayY[count] = offset.y;
     near.placeX[count] = place.x - offset.x, near.placeY[count] = place.y - offset.y;
     near.look[count] = u.looks[j];
-    near.open[count] = -1;
+    near.open[count] = near.predicts[count] = -1;
     if (const int quarters = quartersOf(way); quarters != 0) [[unlikely]] {
-      near.open[count] = 0;
+      near.open[count] = near.predicts[count] = 0;
       near.placeX[count] = own.x, near.placeY[count] = own.y;
       const auto& turned = u.appearance.turned[static_cast<std::size_t>(quarters - 1)];
       near.look[count] = turned[static_cast<std::size_t>(u.appearance.indexOf(place))];
@@ -60,7 +63,7 @@ struct alignas(64) NearColumns {
   for (; count < kMostNear; ++count) {
     near.wayX[count] = near.wayY[count] = 0;
     near.placeX[count] = own.x, near.placeY[count] = own.y;
-    near.open[count] = 0;
+    near.open[count] = near.predicts[count] = 0;
   }
 }
 
@@ -83,6 +86,19 @@ struct alignas(64) NearColumns {
     left |= near.open[a];
   }
   return left != 0;
+}
+
+// Of the predictions within `nearby` of a place; the place itself when there are none.
+[[gnu::always_inline]] inline Place meanAround(const NearColumns& near, Place place,
+                                               std::int32_t nearby) {
+  std::int32_t sumX = 0, sumY = 0, count = 0;
+  for (std::size_t a = 0; a < kMostNear; ++a) {
+    const std::int32_t dx = near.placeX[a] - place.x, dy = near.placeY[a] - place.y;
+    const std::int32_t nearX = (dx < 0 ? -dx : dx) <= nearby ? near.predicts[a] : 0;
+    const std::int32_t both = (dy < 0 ? -dy : dy) <= nearby ? nearX : 0;
+    sumX += dx & both, sumY += dy & both, count -= both;
+  }
+  return count > 0 ? Place{place.x + sumX / count, place.y + sumY / count} : place;
 }
 
 // Sum over the terms of the squared differences; anything above `bound` when it exceeds that.
@@ -158,6 +174,8 @@ template <bool kPortable>
     attempt(place);
     if (!absorb(near, place, u.merge)) break;
   }
+  const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
+  if (u.domain.contains(mean)) attempt(mean);
   return best;
 }
 

@@ -4,21 +4,9 @@
 
 #include "swatch/similar_places.h"
 #include "synthesis/coordinate_sites.h"
+#include "synthesis/place_usage.h"
 
 namespace dapple {
-
-// How much more often than others a part of the swatch is used: a factor of every error there.
-struct UsageMap {
-  int columns = 1, rows = 1;
-  float toColumn = 0, toRow = 0;  // from place units
-  std::vector<float> factor;      // columns x rows
-
-  float at(Place place) const {
-    const int column = static_cast<int>(static_cast<float>(place.x) * toColumn);
-    const int row = static_cast<int>(static_cast<float>(place.y) * toRow);
-    return factor[static_cast<std::size_t>(row) * columns + column];
-  }
-};
 
 struct PlaceUpdate {
   const SiteLevel& sites;
@@ -29,7 +17,8 @@ struct PlaceUpdate {
   const Appearance* looks;  // n: appearance.at(places)
   // Where to go on from where a prediction leads out of the swatch; null: nowhere.
   const SimilarPlaces* similar;
-  std::int32_t merge;  // predictions nearer than this are one, place units
+  std::int32_t merge;   // predictions nearer than this are one, place units
+  std::int32_t nearby;  // the mean of those nearer than this is tried, too
 };
 
 // The places that `members` take, written to `chosen`: none of them is any other's input.

@@ -32,7 +32,6 @@ class PlaceRelaxation {
   std::vector<float> errors(Monitor& monitor) const;
 
  private:
-  void countUsage(Monitor& monitor);
   PlaceUpdate update() const;
 
   const SiteLevel& sites_;
@@ -42,8 +41,7 @@ class PlaceRelaxation {
   std::vector<Appearance> looks_;
   SimilarPlaces similar_;
   ClassOrder order_;
-  UsageMap usage_;
-  std::vector<float> expected_;  // by cell of usage_: share of the swatch's places
+  PlaceUsage usage_;
   std::vector<Place> chosen_;
 };
 
