@@ -49,6 +49,16 @@ std::vector<Place> extended(const GridSites& fine, const GridSites& coarse,
   return out;
 }
 
+// To centres of texels: sites are a pixel apart, so that pieces show texels, and no mixtures of
+// them.
+void snapToTexels(std::vector<Place>& places) {
+  constexpr std::int32_t kHalf = 1 << (kPlaceBits - 1);
+  const auto centre = [](std::int32_t at) {
+    return (((at - kHalf) >> kPlaceBits) << kPlaceBits) + kHalf;
+  };
+  for (Place& place : places) place = {centre(place.x), centre(place.y)};
+}
+
 }  // namespace
 
 vec2 GridSites::position(std::size_t site) const {
@@ -63,7 +73,8 @@ GridSites gridSites(const CoordinateGrid& grid, int level, std::int32_t reach) {
   const WayScale toWay(level, reach);
   for (std::size_t a = 0; a < kMostNear; ++a) ways[a] = toWay(vec2(kStencil[a]) * out.spacing, 0);
   out.ids.resize(out.size() * kMostNear);
-  out.sites = {.level = level, .size = out.size(), .k = kMostNear, .stride = kMostNear};
+  out.sites = {
+      .level = level, .size = out.size(), .k = kMostNear, .stride = kMostNear, .rigid = true};
   out.sites.ways.resize(out.ids.size());
   const auto folded = [](int i, int size) { return (i % size + size) % size; };
   for (int y = 0; y < out.rows; ++y)
@@ -101,6 +112,7 @@ std::vector<Place> synthesizeGrid(const Swatch& swatch, const CoordinateGrid& gr
     } else {
       places = extended(fine, coarse, domain, places, monitor);
     }
+    if (level == 0) snapToTexels(places);
     const AppearanceLevel appearance = makeAppearance(swatch, level, false, monitor);
     PlaceRelaxation relaxation(fine.sites, appearance, domain, places, monitor);
     const int passes = passesOver(level, first, options.quality);

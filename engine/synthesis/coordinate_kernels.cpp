@@ -174,6 +174,7 @@ template <bool kPortable>
     attempt(place);
     if (!absorb(near, place, u.merge)) break;
   }
+  if (u.nearby == 0) return best;
   const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
   if (u.domain.contains(mean)) attempt(mean);
   return best;

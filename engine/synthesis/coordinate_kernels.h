@@ -18,7 +18,7 @@ struct PlaceUpdate {
   // Where to go on from where a prediction leads out of the swatch; null: nowhere.
   const SimilarPlaces* similar;
   std::int32_t merge;   // predictions nearer than this are one, place units
-  std::int32_t nearby;  // the mean of those nearer than this is tried, too
+  std::int32_t nearby;  // the mean of those nearer than this is tried, too; 0: none is
 };
 
 // The places that `members` take, written to `chosen`: none of them is any other's input.

@@ -61,7 +61,7 @@ PlaceUpdate PlaceRelaxation::update() const {
       .similar = similar_.empty() ? nullptr : &similar_,
       .merge = static_cast<std::int32_t>(
           std::ldexp((sites_.level == 0 ? kFinestMerge : kMergeSteps) * kPlaceScale, sites_.level)),
-      .nearby = kNearbySteps << (kPlaceBits + sites_.level),
+      .nearby = sites_.rigid ? 0 : kNearbySteps << (kPlaceBits + sites_.level),
   };
 }
 

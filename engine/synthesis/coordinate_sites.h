@@ -54,6 +54,7 @@ struct SiteLevel {
   std::span<const Index> ids;        // n x stride
   std::vector<Way> ways;             // n x k
   bool turned = false;               // some ways have quarters
+  bool rigid = false;                // ways around any loop add up to none
   std::vector<std::uint8_t> frozen;  // n: keeps its place; empty: none does
 };
 

@@ -17,7 +17,7 @@ constexpr int kMostBlocks = 12;             // along each axis, that positions a
 constexpr int kMostSplits = 4;              // of looks, in two
 constexpr std::size_t kSitesPerGroup = 16;  // at least; fewer groups say more
 // How much use beyond the fair share counts.
-constexpr float kPositionUse = 0.2f, kLookUse = 1;
+constexpr float kPositionUse = 0.5f, kLookUse = 1;
 constexpr int kLookNumbers = 3;  // of an appearance, the last ones: they differ most
 
 int mostSpread(const AppearanceLevel& appearance, std::span<const Place> places) {
