@@ -66,6 +66,7 @@ struct BorderTerm {
   vec2 texel{0};
   vec3 up{0, 1, 0};  // of the neighbour's swatch, on the surface
   float weight = 0;
+  float level = 0;  // of the swatch's stack, that its method reads there
   bool operator==(const BorderTerm&) const = default;
 };
 
