@@ -416,6 +416,33 @@ TEST_CASE("a blend keeps the contrast of what it mixes") {
   }
 }
 
+TEST_CASE("sparse points read a neighbour's swatch as its own method does") {
+  const TestFolder folder;
+  for (const Method method : {Method::Hybrid, Method::Coordinates, Method::Match}) {
+    Document d = halves(folder, 8, 3000);
+    TextureOptions options{.method = method, .levels = 3, .scale = 0.25};
+    for (const RegionId r : {0, 1}) d = applied(d, SetRegion{.region = r, .options = options});
+    d = applied(d, Synthesize{});
+    const BorderMix& border = *d.results.border;
+    double level = 0, own = 0, beyond = 0;
+    for (const BorderTerm& term : border.terms) level += term.level;
+    level /= static_cast<double>(border.terms.size());
+    if (method == Method::Hybrid)
+      CHECK(level == 0);  // patches are not filtered
+    else
+      CHECK(level == doctest::Approx(method == Method::Match ? 2 : 1.68).epsilon(0.1));
+    // Terms of the noise have the contrast that the noise has on its own points.
+    const auto square = [&](const vec3& c) { return glm::dot(c - vec3(0.5f), c - vec3(0.5f)); };
+    double owns = 0, beyonds = 0;
+    for (std::size_t b = 0; b < border.points.size(); ++b)
+      if ((*d.labels)[border.points[b]] == 0)
+        own += square(border.own[b]), ++owns;
+      else
+        beyond += square(colourOf(d, border.termsOf(b)[0])), ++beyonds;
+    CHECK(beyond / beyonds == doctest::Approx(own / owns).epsilon(0.25));
+  }
+}
+
 TEST_CASE("in a cut border each point shows one of both patterns, at the rims its own") {
   const TestFolder folder;
   for (const char* method : {"hybrid", "coordinates", "triplanar"}) {

@@ -178,6 +178,8 @@ TEST_CASE("live, the kind of a border is chosen and its width acts while it is d
   CHECK(chosen().borderWidth < 16);
   CHECK(desk.editor.snapshot().history->size() == steps + 1);
   CHECK(desk.document().results.border->points.size() < wide);
+  desk.gui.moveMouse(desk.gui.at("view"));
+  desk.gui.frames(2);
   desk.save("border");
   desk.gui.key(letterKey('Z'), kCtrl);
   desk.gui.key(letterKey('Z'), kCtrl);

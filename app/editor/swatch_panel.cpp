@@ -82,14 +82,14 @@ bool sliders(RegionSettings& settings) {
                             .mark = "swatch.rotation"},
                            settings.rotation);
   if (settings.borderKind == BorderKind::Hard) return changed;
-  changed |= settingSlider({.label = "Border width",
+  changed |= settingSlider({.label = "Band",
                             .low = 0,
                             .high = kWidestBorder,
                             .usual = 16,
                             .format = "%.1f",
                             .mark = "swatch.border"},
                            settings.borderWidth);
-  tooltip("Width of the band in which the pattern meets its neighbours',\nmean point spacings");
+  tooltip("Width of the border's band,\nmean point spacings");
   return changed;
 }
 

@@ -7,9 +7,9 @@
 // Cut: in the same band each point shows one of them, parted by a minimum cut along the features of
 // both (synthesis/pattern_cut.h); the band's rims are each side's own.
 //
-// Of two kinds blend counts before hard, and hard before cut: whoever departs from the default has
-// his way. Of two widths of the kind that counts the wider does. Where both a blend and a cut reach
-// a point, the pattern that the cut leaves there is mixed.
+// Of two kinds blend counts before hard, and hard before cut: what departs from the default shows.
+// Of two widths of the kind that counts the wider does. Where both a blend and a cut reach a point,
+// the pattern that the cut leaves there is mixed.
 //
 // A border is made where both regions have results of their own (not stopped ones, and with their
 // swatches at hand). The points of a locked region stay as they are; then the whole width lies in

@@ -98,7 +98,7 @@ struct Results {
   Column<Index> patch;
   Column<float> error;
   Column<Index> order;
-  std::shared_ptr<const BorderMix> border;  // null: no border is blended
+  std::shared_ptr<const BorderMix> border;  // null: no border is made
   std::vector<std::shared_ptr<const ResultSource>> sources;
 };
 inline constexpr vec3 kBare{0.72f};  // points without any colour
