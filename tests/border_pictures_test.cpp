@@ -1,4 +1,4 @@
-// Two regions of unlike swatches, pictured with hard and with blended borders: to look at, and that
+// Two regions of unlike swatches, pictured with hard, blended and cut borders: to look at, and that
 // the whole way from document to picture shows the difference.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -60,19 +60,23 @@ std::string picture(const Document& document, const Scene& scene, const std::str
   return out;
 }
 
+Document with(Document document, BorderKind kind, double width) {
+  for (RegionId r = 0; r < 2; ++r)
+    document = applied(document, SetRegion{.region = r, .borderWidth = width, .borderKind = kind});
+  return applied(document, BlendBorders{});
+}
+
 void compare(const Scene& scene, const std::string& name) {
-  const Document hard = parted(scene);
-  Document soft = hard;
-  for (const double width : {6.0, 24.0}) {
-    for (RegionId r = 0; r < 2; ++r)
-      soft = applied(soft, SetRegion{.region = r, .borderWidth = width});
-    soft = applied(soft, BlendBorders{});
-    picture(soft, scene, fmt::format("{}_{}", name, width));
-  }
-  const std::string file = picture(hard, scene, name + "_0");
+  const Document made = parted(scene);
+  const Document hard = with(made, BorderKind::Hard, 0);
+  const std::string file = picture(hard, scene, name + "_hard");
+  for (const double width : {8.0, 24.0})
+    for (const auto& [kind, word] :
+         {std::pair(BorderKind::Blend, "blend"), std::pair(BorderKind::Cut, "cut")})
+      picture(with(hard, kind, width), scene, fmt::format("{}_{}_{}", name, word, width));
   // The same picture but for a narrow band.
   const double error = structuralSimilarityError(
-      readImage(file), readImage(fmt::format("{}/{}_6.png", DAPPLE_BORDER_PICTURES, name)));
+      readImage(file), readImage(fmt::format("{}/{}_blend_8.png", DAPPLE_BORDER_PICTURES, name)));
   CHECK(error > 0.0005);
   CHECK(error < 0.04);
 }

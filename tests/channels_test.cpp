@@ -136,7 +136,9 @@ TEST_CASE("blended gaps and borders mix channels with the weights of their colou
   options.method = Method::Patches;
   options.tileable = Tileable::No;
   for (const RegionId r : {0, 1})
-    d = with(d, SetRegion{.region = r, .borderWidth = 8, .options = options});
+    d = with(
+        d, SetRegion{
+               .region = r, .borderWidth = 8, .borderKind = BorderKind::Blend, .options = options});
   d = with(d, SetSwatch{.region = 0,
                         .reference = reference("/s/noise.png", {{Channel::Roughness, "rough"}})});
   d = with(d, SetSwatch{.region = 1, .reference = {.path = "/s/bricks.png"}});
@@ -285,8 +287,10 @@ TEST_CASE("an exported scan has its channels as columns, and all texels of its b
   // Others may filter the swatch, so that no texel has a point's colour.
   for (const RegionId r : {0, 1})
     d = with(d, SetRegion{.region = r, .options = TextureOptions{.method = Method::Hybrid}});
+  for (const RegionId r : {0, 1})
+    d = with(d, SetRegion{.region = r, .borderKind = BorderKind::Hard});
   const Document hard = with(d, Synthesize{});
-  d = with(hard, SetRegion{.region = 0, .borderWidth = 8});
+  d = with(hard, SetRegion{.region = 0, .borderWidth = 8, .borderKind = BorderKind::Blend});
   d = with(d, BlendBorders{});
   const auto saved = [&](const Document& document) {
     with(document, ExportScan{.path = folder / "out.ply", .options = {.sourceMap = true}});

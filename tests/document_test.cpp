@@ -18,6 +18,8 @@ Document twoRegions(const TestFolder& folder, std::size_t count) {
   Document d = sphereDocument(folder, count);
   d = applied(d, Select{.points = half(d, true)});
   d = applied(d, AddRegion{.name = "Left"});
+  for (const RegionId r : {0, 1})
+    d = applied(d, SetRegion{.region = r, .borderKind = BorderKind::Hard});
   d = applied(d, SetSwatch{.region = 1, .reference = {.path = "bricks.png"}});
   return applied(d, SetSwatch{.region = 0, .reference = {.path = "noise.png"}});
 }

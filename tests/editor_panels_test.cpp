@@ -144,6 +144,49 @@ TEST_CASE("live, the scale acts while it is dragged and is one step of the histo
   CHECK(sameContent(desk.document(), before));
 }
 
+TEST_CASE("live, the kind of a border is chosen and its width acts while it is dragged") {
+  Desk desk(1, kWidth, kHeight, true);
+  textured(desk);
+  Engine& engine = desk.editor.engine();
+  std::vector<Index> left;
+  for (Index i = 0; i < desk.document().size(); ++i)
+    if (desk.document().points().positions[i].x < 0) left.push_back(i);
+  engine.submit(Select{.points = left});
+  engine.submit(AddRegion{});
+  engine.submit(SetSwatch{.region = 1, .reference = first(desk).reference});
+  engine.finish();
+  desk.rest();
+  const auto chosen = [&]() -> const Region& { return *findRegion(desk.document(), RegionId{1}); };
+  REQUIRE(desk.document().results.border);
+  CHECK(chosen().borderKind == BorderKind::Cut);
+  desk.gui.click("border.Hard");
+  desk.rest();
+  CHECK(chosen().borderKind == BorderKind::Hard);
+  CHECK_FALSE(desk.document().results.border);
+  CHECK_FALSE(desk.gui.has("swatch.border"));
+  desk.gui.click("border.Blend");
+  desk.rest();
+  CHECK(chosen().borderKind == BorderKind::Blend);
+  REQUIRE(desk.document().results.border);
+  const std::size_t wide = desk.document().results.border->points.size();
+  const std::size_t steps = desk.editor.snapshot().history->size();
+  const ItemMark* mark = desk.gui.gui().marks().find("swatch.border");
+  REQUIRE(mark);
+  const float y = 0.5f * (mark->min.y + mark->max.y);
+  desk.gui.drag(0, {mark->min.x + 60, y}, {mark->min.x + 20, y});
+  desk.rest();
+  CHECK(chosen().borderWidth < 16);
+  CHECK(desk.editor.snapshot().history->size() == steps + 1);
+  CHECK(desk.document().results.border->points.size() < wide);
+  desk.gui.moveMouse(desk.gui.at("view"));
+  desk.gui.frames(2);
+  desk.save("border");
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.gui.key(letterKey('Z'), kCtrl);
+  desk.rest();
+  CHECK(chosen().borderKind == BorderKind::Hard);
+}
+
 TEST_CASE("a stroke is drawn, chosen by a click, turned round and removed") {
   Desk desk(1, kWidth, kHeight, true);
   textured(desk, "swatch.scales");

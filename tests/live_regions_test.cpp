@@ -92,11 +92,13 @@ TEST_CASE("live, a border is blended when its width changes, and nothing is synt
   engine.submit(Select{half(engine.snapshot()->document, true)});
   engine.submit(AddRegion{});
   engine.submit(SetSwatch{.region = 1, .reference = {.path = "noise.png"}});
+  for (const RegionId r : {0, 1})
+    engine.submit(SetRegion{.region = r, .borderKind = BorderKind::Hard});
   engine.finish();
   const auto hard = engine.snapshot();
   CHECK_FALSE(hard->document.results.border);
   SetRegion soft{.region = 1};
-  soft.borderWidth = 4;
+  soft.borderWidth = 4, soft.borderKind = BorderKind::Blend;
   engine.submit(soft);
   engine.finish();
   const auto blended = engine.snapshot();

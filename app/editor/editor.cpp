@@ -79,6 +79,7 @@ void Editor::changeSettings(const RegionSettings& settings) {
   if (!(settings.options == now.options)) set.options = settings.options;
   if (settings.rotation != now.rotation) set.rotation = settings.rotation;
   if (settings.borderWidth != now.borderWidth) set.borderWidth = settings.borderWidth;
+  if (settings.borderKind != now.borderKind) set.borderKind = settings.borderKind;
   engine_.submit(set);
 }
 

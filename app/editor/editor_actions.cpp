@@ -293,9 +293,9 @@ void Editor::addSynthesisActions() {
                 .enabled = [this] { return hasScan() && chosen().swatch && !working(); },
                 .run = [this] { engine_.submit(Synthesize{chosen_}); }});
   actions_.add({.id = "region.blend",
-                .label = "Blend borders",
+                .label = "Make borders",
                 .menu = "Region",
-                .help = "By the widths of the regions; a synthesis does it, too.",
+                .help = "By the kinds and widths of the regions; a synthesis does it, too.",
                 .enabled = [this] { return snapshot_->document.results.source && !working(); },
                 .run = [this] { engine_.submit(BlendBorders{}); }});
   actions_.add({.id = "synthesize.live",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "app/gui/gui_renderer.h"
@@ -80,14 +81,28 @@ bool sliders(RegionSettings& settings) {
                             .format = "%.0f deg",
                             .mark = "swatch.rotation"},
                            settings.rotation);
-  changed |= settingSlider({.label = "Border",
+  if (settings.borderKind == BorderKind::Hard) return changed;
+  changed |= settingSlider({.label = "Band",
                             .low = 0,
                             .high = kWidestBorder,
-                            .usual = 0,
+                            .usual = 16,
                             .format = "%.1f",
                             .mark = "swatch.border"},
                            settings.borderWidth);
-  tooltip("How far the pattern passes into its neighbours',\nmean point spacings");
+  tooltip("Width of the border's band,\nmean point spacings");
+  return changed;
+}
+
+bool borderKinds(RegionSettings& settings) {
+  constexpr std::array kKinds{"Hard", "Blend", "Cut"};  // by BorderKind
+  mutedText("Border");
+  auto kind = static_cast<int>(settings.borderKind);
+  const bool changed = segments("border", kKinds.data(), static_cast<int>(kKinds.size()), kind);
+  tooltip(
+      "Hard: as the points were assigned\nBlend: both patterns pass into one another\n"
+      "Cut: along the features of both patterns, where it is seen least\n"
+      "Of two regions blend counts before hard, and hard before cut");
+  settings.borderKind = static_cast<BorderKind>(kind);
   return changed;
 }
 
@@ -233,6 +248,7 @@ bool SwatchPanel::draw(const Region& region, RegionSettings& settings, SwatchLib
     drag_ = {};
     mutedTextWrapped("No swatch: choose one below, or drop an image on the region.");
   }
+  if (entry) changed |= borderKinds(settings);
   if (entry) channels(region, engine);
   ImGui::Dummy(px(0, theme::kGapSmall));
   grid(region, library, engine);

@@ -16,10 +16,11 @@ namespace dapple {
 struct RegionSettings {
   TextureOptions options;
   double rotation = 0, borderWidth = 0;
+  BorderKind borderKind = BorderKind::Cut;
   bool operator==(const RegionSettings&) const = default;
 
   static RegionSettings of(const Region& region) {
-    return {region.options, region.rotation, region.borderWidth};
+    return {region.options, region.rotation, region.borderWidth, region.borderKind};
   }
 };
 
@@ -27,8 +28,8 @@ class SwatchPanel {
  public:
   // The picture with its crop, the sliders, the library. A swatch that is chosen or cropped goes to
   // the engine. True: `settings` has changed. Marks: "swatch.crop" (the picture), "swatch.scale",
-  // "swatch.rotation", "swatch.border", "swatch.maps", "map.CHANNEL", "map.CHANNEL.remove",
-  // "swatch.NAME".
+  // "swatch.rotation", "swatch.border" (the width), "border.Hard", "border.Blend", "border.Cut",
+  // "swatch.maps", "map.CHANNEL", "map.CHANNEL.remove", "swatch.NAME".
   bool draw(const Region& region, RegionSettings& settings, SwatchLibrary& library, Engine& engine);
   // The channel for which the user wants to choose a file, since the last call.
   std::optional<Channel> takeAsked() { return std::exchange(asked_, std::nullopt); }

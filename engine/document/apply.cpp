@@ -63,7 +63,7 @@ Change opened(const OpenScan& command, const CommandContext& context, Monitor& m
 // What borders follow from, besides labels and results.
 bool sameBorders(const std::vector<Region>& a, const std::vector<Region>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Region& x, const Region& y) {
-    return x.id == y.id && x.locked == y.locked && x.borderWidth == y.borderWidth;
+    return x.id == y.id && asksForSameBorder(x, y);
   });
 }
 
@@ -164,7 +164,7 @@ std::string setLabel(const SetRegion& c, const Document& d) {
   if (c.locked) return (*c.locked ? "Lock " : "Unlock ") + nameOf(d, c.region);
   if (c.colour) return "Colour of " + nameOf(d, c.region);
   if (c.rotation) return "Rotate swatch of " + nameOf(d, c.region);
-  if (c.borderWidth) return "Border of " + nameOf(d, c.region);
+  if (c.borderKind || c.borderWidth) return "Border of " + nameOf(d, c.region);
   return "Options of " + nameOf(d, c.region);
 }
 
@@ -222,7 +222,8 @@ Meeting meetsSynthesis(const Command& command, const Synthesize& job, const Docu
                 return stopsIf(inJob(regions, c.region) || inJob(regions, kUnassigned));
               },
               [&](const SetRegion& c) {
-                const bool input = c.options || c.rotation || c.borderWidth || c.locked;
+                const bool input =
+                    c.options || c.rotation || c.borderKind || c.borderWidth || c.locked;
                 return stopsIf(input && inJob(regions, c.region));
               },
               [](const ShowOnly&) { return Meeting::Beside; },
@@ -276,7 +277,7 @@ std::string label(const Command& command, const Document& d) {
               [&](const Synthesize& c) {
                 return c.region ? "Synthesize " + nameOf(d, *c.region) : "Synthesize all";
               },
-              [](const BlendBorders&) { return std::string("Blend borders"); },
+              [](const BlendBorders&) { return std::string("Make borders"); },
               [&](const ClearResult& c) {
                 return c.region ? "Clear result of " + nameOf(d, *c.region) : "Clear results";
               },

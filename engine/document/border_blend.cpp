@@ -1,224 +1,58 @@
 #include "document/border_blend.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
-#include "base/errors.h"
-#include "points/tangent_frames.h"
-#include "regions/surface_distance.h"
-#include "synthesis/baselines.h"
-#include "synthesis/texture_extension.h"
+#include "document/border_shares.h"
+#include "document/border_weights.h"
+#include "synthesis/pattern_cut.h"
 
 namespace dapple {
 namespace {
 
 constexpr float kLeastWeight = 1.f / 1024;  // a quarter of a step of 8 bits
-constexpr std::size_t kRegions = kMostRegions + 1;
-constexpr std::size_t kCheckpointEvery = 1 << 16;
+static_assert(kNoSource == kNoPattern);
 
-// What a region beyond a border gives to a point.
-struct Share {
-  Index point;
-  BorderTerm term;  // weight: of the texel among those of its source
-  float beyond;     // of the source at the point, 0..1, before others are heard
-  bool locked;      // the source's region
-};
-
-float smoothstep(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.f, 1.f);
-  return t * t * (3 - 2 * t);
+// The points' colours without borders.
+std::vector<vec3> ownColours(const Results& results) {
+  std::vector<vec3> colours = *results.colour;
+  if (const BorderMix* border = results.border.get())
+    for (std::size_t b = 0; b < border->points.size(); ++b)
+      colours[border->points[b]] = border->own[b];
+  return colours;
 }
 
-vec3 colourOf(const ResultSource& source, const BorderTerm& term) {
-  return sampleSwatch(*source.swatch, term.texel);
+// The end of the shares of the same source at the same point.
+std::size_t endOfSource(std::span<const BorderShare> shares, std::size_t s) {
+  std::size_t end = s + 1;
+  while (end < shares.size() && shares[end].point == shares[s].point &&
+         shares[end].term.source == shares[s].term.source)
+    ++end;
+  return end;
 }
 
-// The regions of a document as their borders see them.
-class Sides {
- public:
-  explicit Sides(const Document& document)
-      : document_(document), of_(document.size(), kUnassigned), takesPart_(document.size(), false) {
-    source_.fill(kNoSource);
-    const float spacing = document.scan->prepared.spacing;
-    for (const Region& region : *document.regions) {
-      width_[region.id] = static_cast<float>(region.borderWidth) * spacing;
-      locked_[region.id] = region.locked;
-    }
-    const Results& results = document.results;
-    // Of several results of one region the newest counts.
-    for (std::size_t i = 0; i < document.size(); ++i)
-      if (usable(i)) {
-        std::uint16_t& newest = source_[(*document.labels)[i]];
-        if (newest == kNoSource || (*results.source)[i] > newest) newest = (*results.source)[i];
-      }
-    for (std::size_t i = 0; i < document.size(); ++i) {
-      of_[i] = (*document.labels)[i];
-      takesPart_[i] = usable(i) && source_[of_[i]] == (*results.source)[i];
-    }
+// Decides for all that meets by a cut which points it has: `beyond` is 1 or 0 then.
+void cut(const Document& document, const BorderSides& sides, const std::vector<vec3>& colours,
+         std::span<BorderShare> shares, Monitor& monitor) {
+  std::vector<PatternOption> options;
+  std::vector<std::size_t> first;  // share of an option
+  for (std::size_t s = 0, end = 0; s < shares.size(); s = end) {
+    end = endOfSource(shares, s);
+    if (shares[s].kind != BorderKind::Cut) continue;
+    PatternOption option{.point = shares[s].point, .pattern = shares[s].term.source};
+    for (std::size_t t = s; t < end; ++t)
+      option.colour += shares[t].term.weight * colourOf(document.results, shares[t].term);
+    options.push_back(option);
+    first.push_back(s);
   }
-
-  bool takesPart(Index i) const { return takesPart_[i]; }
-  RegionId of(Index i) const { return of_[i]; }
-  bool locked(RegionId region) const { return locked_[region]; }
-  // kNoSource: takes no part.
-  std::uint16_t source(RegionId region) const { return source_[region]; }
-  const std::vector<bool>& takePart() const { return takesPart_; }
-
-  // How far `from` reaches into `into`; 0: not at all.
-  float reach(RegionId from, RegionId into) const {
-    if (from == into || locked_[into]) return 0;
-    const float width = std::max(width_[from], width_[into]);
-    return locked_[from] ? width : width / 2;
-  }
-  float farthestReach(RegionId from) const {
-    float most = 0;
-    for (std::size_t into = 0; into < kRegions; ++into)
-      if (source_[into] != kNoSource)
-        most = std::max(most, reach(from, static_cast<RegionId>(into)));
-    return most;
-  }
-
- private:
-  bool usable(std::size_t i) const {
-    const Results& results = document_.results;
-    const std::uint16_t s = (*results.source)[i];
-    if (s == kNoSource) return false;
-    const ResultSource& source = *results.sources[s];
-    return !source.partial && source.swatch && source.region == (*document_.labels)[i];
-  }
-
-  const Document& document_;
-  std::vector<RegionId> of_;
-  std::vector<bool> takesPart_;
-  std::array<std::uint16_t, kRegions> source_{};
-  std::array<float, kRegions> width_{};
-  std::array<bool, kRegions> locked_{};
-};
-
-// By region: its points that are linked to a point of another.
-std::array<std::vector<Index>, kRegions> rims(const Sides& sides, const Neighborhoods& all,
-                                              Monitor& monitor) {
-  std::vector<bool> rim(all.size(), false);
-  const std::size_t links = linksOf(all);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i % kCheckpointEvery == 0) monitor.checkpoint();
-    for (const Index j : all.of(i).first(links))
-      if (sides.of(static_cast<Index>(i)) != sides.of(j)) rim[i] = rim[j] = true;
-  }
-  std::array<std::vector<Index>, kRegions> out;
-  for (Index i = 0; i < all.size(); ++i)
-    if (rim[i] && sides.takesPart(i)) out[sides.of(i)].push_back(i);
-  return out;
-}
-
-// Triplanar projections lie in space: they are carried on as they were made.
-void addProjected(const Document& document, const ResultSource& source,
-                  std::span<const Index> beyond, std::vector<Share>& shares, Monitor& monitor) {
-  const PointSet& points = document.points();
-  PointSet own;
-  for (const Index i : beyond) {
-    own.positions.push_back(points.positions[i]);
-    own.normals.push_back(points.normals[i]);
-  }
-  const std::vector<TangentFrame> frames = framesTowards(own, source.options.up);
-  const Neighborhoods none;
-  SourceMap map = emptySourceMap(beyond.size(), source.unit);
-  projectTriplanar({own, none, *source.swatch, frames, source.unit}, map, monitor);
-  for (std::size_t b = 0; b < beyond.size(); ++b)
-    for (std::size_t t = map.blendOffset[b]; t < map.blendOffset[b + 1]; ++t)
-      shares.push_back(
-          {.point = beyond[b],
-           .term = {
-               .texel = map.blend[t].texel, .up = frames[b].t, .weight = map.blend[t].weight}});
-}
-
-// Points of other regions that a region's pattern reaches, nearest first, and how far inside of
-// their own they lie.
-struct Halo {
-  std::vector<Index> points;
-  std::vector<float> inside;  // local units from the border
-};
-
-Halo haloOf(const Document& document, const Sides& sides, RegionId region,
-            std::span<const Index> rim, Monitor& monitor) {
-  const PreparedScan& prepared = document.scan->prepared;
-  // The border runs between the points: half a spacing before the first one beyond.
-  const float half = prepared.spacing / 2;
-  const std::vector<float> distance =
-      surfaceDistances({document.points(), prepared.neighborhoods}, rim,
-                       sides.farthestReach(region) + half, monitor);
-  Halo halo;
-  for (Index i = 0; i < document.size(); ++i)
-    if (sides.takesPart(i) && sides.of(i) != region &&
-        distance[i] - half < sides.reach(region, sides.of(i)))
-      halo.points.push_back(i);
-  std::sort(halo.points.begin(), halo.points.end(), [&](Index a, Index b) {
-    return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
-  });
-  for (const Index i : halo.points) halo.inside.push_back(std::max(0.f, distance[i] - half));
-  return halo;
-}
-
-// A region's texels, carried on.
-std::vector<Share> carriedOn(const Document& document, const Sides& sides, RegionId region,
-                             std::span<const Index> beyond, Monitor& monitor) {
-  const Results& results = document.results;
-  const ResultSource& source = *results.sources[sides.source(region)];
-  std::vector<Share> shares;
-  if (source.options.method == Method::Triplanar) {
-    addProjected(document, source, beyond, shares, monitor);
-    return shares;
-  }
-  std::vector<bool> decided(document.size());
-  for (Index i = 0; i < document.size(); ++i)
-    decided[i] = sides.takesPart(i) && sides.of(i) == region;
-  const Extension extension =
-      extendTexture({document.points(), document.scan->prepared.neighborhoods, *source.swatch,
-                     source.unit, *results.texel, *results.frame, results.scale.get()},
-                    decided, beyond, monitor);
-  for (std::size_t b = 0; b < beyond.size(); ++b)
-    if (extension.reached[b])
-      shares.push_back({.point = beyond[b],
-                        .term = {.texel = extension.texel[b], .up = extension.up[b], .weight = 1}});
-  return shares;
-}
-
-// The pattern of a region over the points beyond its border.
-std::vector<Share> sharesOf(const Document& document, const Sides& sides, RegionId region,
-                            std::span<const Index> rim, Monitor& monitor) {
-  const Halo halo = haloOf(document, sides, region, rim, monitor);
-  std::vector<Share> shares = carriedOn(document, sides, region, halo.points, monitor);
-  std::size_t h = 0;
-  for (Share& share : shares) {
-    while (halo.points[h] != share.point) ++h;
-    const float reach = sides.reach(region, sides.of(share.point));
-    share.term.source = sides.source(region);
-    share.locked = sides.locked(region);
-    share.beyond = 1 - smoothstep(share.locked ? 0 : -reach, reach, halo.inside[h]);
-  }
-  return shares;
-}
-
-// The weights of all that is beyond, for one point. Where two unlocked regions meet they are what
-// each asks for; where more do, all are scaled so that they sum to 1 with the point's own.
-void settle(std::span<Share> shares) {
-  float own = 1, others = 0, fixed = 0;
-  std::uint16_t source = kNoSource;
-  for (const Share& share : shares) {
-    if (std::exchange(source, share.term.source) == share.term.source) continue;
-    if (share.locked) {
-      fixed += share.beyond;
-      continue;
-    }
-    own = std::min(own, 1 - share.beyond);
-    others += share.beyond;
-  }
-  const float lockedScale = fixed > 1 ? 1 / fixed : 1;
-  const float rest = std::max(0.f, 1 - fixed) / std::max(own + others, 1e-6f);
-  for (Share& share : shares)
-    share.term.weight *= share.beyond * (share.locked ? lockedScale : rest);
+  if (options.empty()) return;
+  std::vector<std::uint16_t> own(document.size());
+  for (Index i = 0; i < document.size(); ++i) own[i] = sides.sourceAt(i);
+  const PatternCut made = cutPatterns(
+      {document.points(), document.scan->prepared.neighborhoods, own, colours, options}, monitor);
+  for (std::size_t o = 0; o < options.size(); ++o)
+    for (std::size_t s = first[o], end = endOfSource(shares, s); s < end; ++s)
+      shares[s].beyond = made.taken[o] ? 1 : 0;
 }
 
 // An entry whose colour cannot, or must not, be made again.
@@ -244,7 +78,7 @@ vec3 mixed(const Results& results, const vec3& own, std::span<const BorderTerm> 
   vec3 colour(0);
   float weight = 1;
   for (const BorderTerm& term : terms) {
-    colour += term.weight * colourOf(*results.sources[term.source], term);
+    colour += term.weight * colourOf(results, term);
     weight -= term.weight;
   }
   return colour + weight * own;
@@ -268,14 +102,29 @@ Results withBorder(const Results& results, BorderMix border, const std::vector<b
   return out;
 }
 
+// The terms that count, with the weight of those that do not.
+void takeTerms(std::span<const BorderShare> shares, std::vector<BorderTerm>& terms) {
+  terms.clear();
+  float all = 0, taken = 0;
+  for (const BorderShare& share : shares) {
+    all += share.term.weight;
+    if (share.term.weight < kLeastWeight) continue;
+    taken += share.term.weight;
+    terms.push_back(share.term);
+  }
+  for (BorderTerm& term : terms) term.weight *= all / taken;
+}
+
 // What stays and what was made, in the order of points.
-Results merged(const Document& document, std::span<Share> shares) {
+Results merged(const Document& document, const std::vector<vec3>& colours,
+               std::span<BorderShare> shares) {
   const Results& results = document.results;
   const BorderMix none;
   const BorderMix& old = results.border ? *results.border : none;
   BorderMix border;
   std::vector<bool> made;
   std::vector<BorderTerm> terms;
+  BorderWeights weights(results);
   std::size_t b = 0;
   const auto keepUpTo = [&](Index point) {
     for (; b < old.points.size() && old.points[b] < point; ++b)
@@ -286,17 +135,15 @@ Results merged(const Document& document, std::span<Share> shares) {
     const Index point = shares[s].point;
     std::size_t end = s;
     while (end < shares.size() && shares[end].point == point) ++end;
-    const std::span<Share> here = shares.subspan(s, end - s);
+    const std::span<BorderShare> here = shares.subspan(s, end - s);
     s = end;
     keepUpTo(point);
     const bool had = b < old.points.size() && old.points[b] == point;
     if (had && stays(document, b)) continue;  // taken with the next
-    settle(here);
-    terms.clear();
-    for (const Share& share : here)
-      if (share.term.weight >= kLeastWeight) terms.push_back(share.term);
+    weights.settle((*results.source)[point], colours[point], here);
+    takeTerms(here, terms);
     if (terms.empty()) continue;
-    append(border, point, had ? old.own[b] : (*results.colour)[point], terms);
+    append(border, point, colours[point], terms);
     made.push_back(true);
   }
   keepUpTo(kNone);
@@ -305,26 +152,18 @@ Results merged(const Document& document, std::span<Share> shares) {
 
 }  // namespace
 
+bool asksForSameBorder(const Region& a, const Region& b) {
+  return a.locked == b.locked && a.borderKind == b.borderKind && a.borderWidth == b.borderWidth;
+}
+
 Results blendBorders(const Document& document, Monitor& monitor) {
   if (!document.results.source) return document.results;
-  const Sides sides(document);
-  std::vector<Share> shares;
-  bool any = false;
-  for (std::size_t r = 0; r < kRegions; ++r)
-    any |= sides.source(static_cast<RegionId>(r)) != kNoSource &&
-           sides.farthestReach(static_cast<RegionId>(r)) > 0;
-  if (any) {
-    const auto rim = rims(sides, document.scan->prepared.neighborhoods, monitor);
-    for (std::size_t r = 0; r < kRegions; ++r)
-      if (!rim[r].empty() && sides.farthestReach(static_cast<RegionId>(r)) > 0) {
-        const auto more = sharesOf(document, sides, static_cast<RegionId>(r), rim[r], monitor);
-        shares.insert(shares.end(), more.begin(), more.end());
-      }
-  }
-  std::stable_sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) {
-    return a.point != b.point ? a.point < b.point : a.term.source < b.term.source;
-  });
-  return merged(document, shares);
+  const BorderSides sides(document);
+  std::vector<BorderShare> shares = borderShares(document, sides, monitor);
+  const std::vector<vec3> colours =
+      shares.empty() ? std::vector<vec3>() : ownColours(document.results);
+  cut(document, sides, colours, shares, monitor);
+  return merged(document, colours, shares);
 }
 
 Results withoutLostTerms(const Document& document) {

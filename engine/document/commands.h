@@ -32,6 +32,7 @@ struct SetRegion {  // what is given
   std::optional<vec3> colour;
   std::optional<bool> visible, locked;
   std::optional<double> rotation, borderWidth;
+  std::optional<BorderKind> borderKind;
   std::optional<TextureOptions> options;
   unsigned gesture = 0;  // not 0: with others of the same number one step of the history
 };
@@ -101,7 +102,7 @@ struct Synthesize {
   // are to suit them. Else all points are synthesized, and the result does not depend on the last.
   bool onlyChanged = false;
 };
-// Blends region borders again, by the widths and results that there are: after
+// Makes region borders again, by the kinds, widths and results that there are: after
 // SetRegion{.borderWidth}. Synthesize does it, too.
 struct BlendBorders {};
 struct ClearResult {

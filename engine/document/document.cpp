@@ -77,7 +77,8 @@ bool sameRegion(const Region& a, const Region& b) {
   return a.id == b.id && a.name == b.name && a.colour == b.colour && a.visible == b.visible &&
          a.locked == b.locked && a.reference == b.reference && !a.swatch == !b.swatch &&
          !a.maps == !b.maps && sameOptions(a.options, b.options) && a.rotation == b.rotation &&
-         a.borderWidth == b.borderWidth && sameStrokes(a.strokes, b.strokes);
+         a.borderKind == b.borderKind && a.borderWidth == b.borderWidth &&
+         sameStrokes(a.strokes, b.strokes);
 }
 
 bool sameTerm(const BlendTerm& a, const BlendTerm& b) {

@@ -23,6 +23,9 @@ struct OpenedScan {
   std::uint64_t hash = 0;  // of the file's bytes
 };
 
+// How a region passes into its neighbours (border_blend.h).
+enum class BorderKind { Hard, Blend, Cut };
+
 // What a user says of a part of the scan. Its scale is options.scale.
 struct Region {
   RegionId id = kUnassigned;
@@ -35,9 +38,10 @@ struct Region {
   std::shared_ptr<const Swatch> swatch;      // of image
   std::shared_ptr<const MaterialMaps> maps;  // of the same place; null: none
   TextureOptions options;
-  double rotation = 0;     // of the swatch, degrees, counter-clockwise seen from outside
-  double borderWidth = 0;  // over which it blends into its neighbours, mean point spacings
-  Column<Stroke> strokes;  // null: none
+  double rotation = 0;  // of the swatch, degrees, counter-clockwise seen from outside
+  BorderKind borderKind = BorderKind::Cut;
+  double borderWidth = 16;  // of the band where it blends or is cut, mean point spacings
+  Column<Stroke> strokes;   // null: none
 };
 
 struct Document {

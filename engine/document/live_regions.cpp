@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "document/border_blend.h"
+
 namespace dapple {
 namespace {
 
@@ -14,6 +16,10 @@ bool onlyChannels(const Region& a, const Region& b) {
 bool sameInput(const Region& a, const Region& b) {
   const bool sameSwatch = (a.image == b.image && a.swatch == b.swatch) || onlyChannels(a, b);
   return sameSwatch && a.options == b.options && a.rotation == b.rotation && a.strokes == b.strokes;
+}
+
+bool hasBorder(const Region& region) {
+  return region.borderKind != BorderKind::Hard && region.borderWidth > 0;
 }
 
 }  // namespace
@@ -39,8 +45,8 @@ bool bordersTouched(const Document& before, const Document& after) {
   bool wide = false, changed = before.labels != after.labels;
   for (const Region& region : *after.regions) {
     const Region* old = findRegion(before, region.id);
-    wide |= region.borderWidth > 0 || (old && old->borderWidth > 0);
-    changed |= old && (old->borderWidth != region.borderWidth || old->locked != region.locked);
+    wide |= hasBorder(region) || (old && hasBorder(*old));
+    changed |= old && !asksForSameBorder(*old, region);
   }
   return wide && changed;
 }

@@ -12,7 +12,7 @@ namespace dapple {
 // stay as they are. Empty when `after` is of another scan. Ascending.
 std::vector<RegionId> touchedRegions(const Document& before, const Document& after);
 
-// The borders between regions blend differently now (BlendBorders): their widths, locks or places
+// The borders between regions are others now (BlendBorders): their kinds, widths, locks or places
 // have changed.
 bool bordersTouched(const Document& before, const Document& after);
 

@@ -25,18 +25,20 @@ void addBorder(RecordTable& table, const BorderMix* border) {
   std::vector<std::uint16_t> source;
   std::vector<vec2> texel;
   std::vector<vec3> up;
-  std::vector<float> weight;
+  std::vector<float> weight, level;
   for (const BorderTerm& term : border->terms) {
     source.push_back(term.source);
     texel.push_back(term.texel);
     up.push_back(term.up);
     weight.push_back(term.weight);
+    level.push_back(term.level);
   }
   Element terms{.name = "border_term"};
   add<std::uint16_t>(terms, {"source"}, source);
   add<float>(terms, kTexel, texel);
   add<float>(terms, kUp, up);
   add<float>(terms, {"weight"}, weight);
+  add<float>(terms, {"level"}, level);
   table.elements.push_back(std::move(points));
   table.elements.push_back(std::move(terms));
 }
@@ -61,10 +63,14 @@ std::shared_ptr<const BorderMix> readBorder(const RecordTable& table, std::size_
   const auto texel = terms.read<float, vec2>(kTexel);
   const auto up = terms.read<float, vec3>(kUp);
   const auto weight = terms.read<float, float>({"weight"});
+  // Older projects read all swatches as they are.
+  const auto level = terms.has("level") ? terms.read<float, float>({"level"}) : nullptr;
   for (std::size_t t = 0; t < end; ++t) {
-    const BorderTerm term{(*source)[t], (*texel)[t], (*up)[t], (*weight)[t]};
+    const BorderTerm term{(*source)[t], (*texel)[t], (*up)[t], (*weight)[t],
+                          level ? (*level)[t] : 0};
     const bool finite = std::isfinite(term.texel.x + term.texel.y) &&
-                        std::isfinite(term.up.x + term.up.y + term.up.z);
+                        std::isfinite(term.up.x + term.up.y + term.up.z) &&
+                        std::isfinite(term.level);
     if (term.source >= sources || !finite || !(term.weight >= 0 && term.weight <= 1))
       refuse(file, fmt::format("border term {} is of a source or place that does not exist", t));
     border.terms.push_back(term);

@@ -1,4 +1,4 @@
-// Blended borders in a project file: element "border" (a record for each point: its own colour and
+// Borders in a project file: element "border" (a record for each point: its own colour and
 // the number of its terms) and "border_term". Projects from before there were any have neither.
 #pragma once
 

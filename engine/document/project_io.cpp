@@ -25,6 +25,7 @@ using namespace project;
 
 constexpr const char* kMark = "Dapple project";  // the first comment
 constexpr std::size_t kHashBlock = std::size_t{1} << 20;
+constexpr std::array kBorderKinds{"hard", "blend", "cut"};  // by BorderKind
 constexpr int kFewestNeighbours = 8, kMostNeighbours = 128;
 
 // ---- columns -------------------------------------------------------------------------------
@@ -184,8 +185,25 @@ json regionJson(const Region& region, const fs::path& project) {
           {"locked", region.locked},
           {"swatch", swatchJson(region.reference, project)},
           {"rotation", region.rotation},
+          {"border", kBorderKinds[static_cast<std::size_t>(region.borderKind)]},
           {"borderWidth", region.borderWidth},
           {"options", optionsJson(region.options)}};
+}
+
+// Projects from before there were kinds blend where they have a width.
+void setBorder(const json& from, Region& region) {
+  const double width = from.at("borderWidth");
+  const auto kind = from.find("border");
+  if (kind == from.end()) {
+    region.borderKind = width > 0 ? BorderKind::Blend : BorderKind::Hard;
+    if (width > 0) region.borderWidth = width;
+    return;
+  }
+  const auto named = std::find(kBorderKinds.begin(), kBorderKinds.end(), *kind);
+  if (named == kBorderKinds.end())
+    throw InvalidInput(fmt::format("a region has a border of kind {}", kind->dump()));
+  region.borderKind = static_cast<BorderKind>(named - kBorderKinds.begin());
+  region.borderWidth = width;
 }
 
 Region regionOf(const json& from, const fs::path& project) {
@@ -200,7 +218,7 @@ Region regionOf(const json& from, const fs::path& project) {
   region.locked = from.at("locked");
   region.reference = swatchReference(from.at("swatch"), project);
   region.rotation = from.at("rotation");
-  region.borderWidth = from.at("borderWidth");
+  setBorder(from, region);
   region.options = optionsOf(from.at("options"));
   return region;
 }

@@ -205,6 +205,7 @@ Document edited(const Document& document, const SetRegion& command) {
     checkNumber("border width", *command.borderWidth, 0, kWidestBorder);
     region.borderWidth = *command.borderWidth;
   }
+  if (command.borderKind) region.borderKind = *command.borderKind;
   if (command.options) {
     validate(*command.options);
     const bool remake = region.image && needsNewSwatch(region.options, *command.options);

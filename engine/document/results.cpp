@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace dapple {
+namespace {
+
+constexpr float kLeastWeight = 1e-5f;  // less is a rounding of 0
+
+}  // namespace
 
 std::span<const BlendTerm> ResultSource::termsAt(Index point) const {
   const auto at = std::lower_bound(blended.begin(), blended.end(), point);
@@ -31,6 +36,7 @@ void gatherTerms(const Results& results, Index point, std::vector<SourceTerm>& t
         terms.push_back({term.source, term.texel, term.up, term.weight});
         own -= term.weight;
       }
+  if (own < kLeastWeight) return;
   const vec3 up = (*results.frame)[point].t;
   const std::span<const BlendTerm> blend = source.termsAt(point);
   for (const BlendTerm& term : blend) terms.push_back({s, term.texel, up, own * term.weight});

@@ -66,6 +66,7 @@ struct BorderTerm {
   vec2 texel{0};
   vec3 up{0, 1, 0};  // of the neighbour's swatch, on the surface
   float weight = 0;
+  float level = 0;  // of the swatch's stack, that its method reads there
   bool operator==(const BorderTerm&) const = default;
 };
 
@@ -97,7 +98,7 @@ struct Results {
   Column<Index> patch;
   Column<float> error;
   Column<Index> order;
-  std::shared_ptr<const BorderMix> border;  // null: no border is blended
+  std::shared_ptr<const BorderMix> border;  // null: no border is made
   std::vector<std::shared_ptr<const ResultSource>> sources;
 };
 inline constexpr vec3 kBare{0.72f};  // points without any colour

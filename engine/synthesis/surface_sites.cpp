@@ -157,7 +157,11 @@ float readLevel(const SynthesisInput& input, std::size_t point) {
   const float spacing =
       distanceBetween(input.points.positions[point], input.points.positions[row.back()]) *
       std::sqrt(std::numbers::pi_v<float> / (k + 0.5f));
-  return filterLevel(spacing / kUnfiltered, input.unitAt(point));
+  return siteLevel(spacing, input.unitAt(point));
+}
+
+float siteLevel(float spacing, float unit) {
+  return filterLevel(spacing / kUnfiltered, unit);
 }
 
 std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, Monitor& monitor) {

@@ -24,6 +24,8 @@ inline const Neighborhoods& nearOf(const SurfaceLevel& level, const SynthesisInp
 // The level of the swatch's stack that a point shows: the swatch itself as long as points lie about
 // a pixel apart.
 float readLevel(const SynthesisInput& input, std::size_t point);
+// The same of points `spacing` apart where pixels are `unit` wide.
+float siteLevel(float spacing, float unit);
 
 // Finest first, down to `levels` or to a few sites. Steps are of absolute size: where points lie
 // further apart than a step all of them stay, and where they are closer than pixels the first

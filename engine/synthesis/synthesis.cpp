@@ -9,6 +9,7 @@
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
+#include "synthesis/surface_sites.h"
 #include "synthesis/tiling_synthesis.h"
 
 namespace dapple {
@@ -56,6 +57,19 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
 bool keepsPoints(const TextureOptions& options) {
   return options.method == Method::Hybrid || options.method == Method::Coordinates ||
          options.method == Method::Patches || options.method == Method::Match;
+}
+
+float shownLevel(Method method, float spacing, float unit) {
+  switch (method) {
+    case Method::Match:
+    case Method::Grid:
+      return filterLevel(spacing, unit);
+    case Method::Coordinates:
+    case Method::Tiling:
+      return siteLevel(spacing, unit);
+    default:
+      return 0;
+  }
 }
 
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,

@@ -23,6 +23,10 @@ struct SynthesisResult {
 // Methods that take SynthesisInput::kept.
 bool keepsPoints(const TextureOptions& options);
 
+// The level of the swatch's stack that a method gives points `spacing` apart when pixels are `unit`
+// wide (patches show the swatch itself, whatever the spacing).
+float shownLevel(Method method, float spacing, float unit);
+
 // Colours every point. Progress counts points. The same bytes at any number of threads. Throws
 // InvalidInput, Cancelled.
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,

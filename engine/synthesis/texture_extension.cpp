@@ -33,7 +33,7 @@ class Front {
     out_.reached.assign(beyond.size(), false);
     out_.texel.assign(beyond.size(), vec2(0));
     out_.up.assign(beyond.size(), vec3(0, 1, 0));
-    scale_.assign(beyond.size(), 1);
+    out_.scale.assign(beyond.size(), 1);
     for (std::size_t b = 0; b < beyond.size(); ++b) place_.emplace(beyond[b], b);
   }
 
@@ -63,7 +63,7 @@ class Front {
   float scaleOf(Index i) const {
     if (!in_.scale) return 1;
     if (decided_[i]) return (*in_.scale)[i];
-    return scale_[place_.at(i)];
+    return out_.scale[place_.at(i)];
   }
 
   // Neighbours that have texels and do not look away, nearest first.
@@ -77,7 +77,7 @@ class Front {
       if (glm::dot(in_.points.normals[i], in_.points.normals[j]) <= 0) continue;
       if (!known(j, texel, frame)) continue;
       const vec3 way = in_.points.positions[i] - in_.points.positions[j];
-      if (around_.empty()) scale_[place_.at(i)] = scaleOf(j);
+      if (around_.empty()) out_.scale[place_.at(i)] = scaleOf(j);
       const float unit = in_.unit * scaleOf(j);
       const vec2 step = vec2(glm::dot(way, frame.s), -glm::dot(way, frame.t)) / unit;
       around_.push_back({-step, sampleSwatch(in_.swatch, texel)});
@@ -154,7 +154,6 @@ class Front {
   std::unordered_map<Index, std::size_t> place_;  // in beyond_
   std::optional<ReverseNeighborhoods> reverse_;
   std::optional<SwatchSearch> search_;
-  std::vector<float> scale_;  // by point beyond: its nearest neighbour's
   std::vector<Opinion> opinions_;
   std::vector<SearchTerm> around_;
   Extension out_;

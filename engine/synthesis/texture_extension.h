@@ -31,7 +31,8 @@ struct ExtensionInput {
 struct Extension {
   std::vector<bool> reached;
   std::vector<vec2> texel;
-  std::vector<vec3> up;  // of the swatch
+  std::vector<vec3> up;      // of the swatch
+  std::vector<float> scale;  // times the unit
 };
 
 // `decided` (n): has a texel. `beyond`: those to carry on over, nearest first.

@@ -1,0 +1,97 @@
+#include "document/border_sides.h"
+
+#include <algorithm>
+
+#include "regions/surface_distance.h"
+
+namespace dapple {
+namespace {
+
+constexpr std::size_t kCheckpointEvery = 1 << 16;
+
+}  // namespace
+
+BorderSides::BorderSides(const Document& document)
+    : document_(document), takesPart_(document.size(), false) {
+  source_.fill(kNoSource);
+  const float spacing = document.scan->prepared.spacing;
+  for (const Region& region : *document.regions) {
+    kind_[region.id] = region.borderKind;
+    width_[region.id] = static_cast<float>(region.borderWidth) * spacing;
+    locked_[region.id] = region.locked;
+  }
+  const Results& results = document.results;
+  // Of several results of one region the newest counts.
+  for (std::size_t i = 0; i < document.size(); ++i)
+    if (usable(i)) {
+      std::uint16_t& newest = source_[(*document.labels)[i]];
+      if (newest == kNoSource || (*results.source)[i] > newest) newest = (*results.source)[i];
+    }
+  for (std::size_t i = 0; i < document.size(); ++i)
+    takesPart_[i] = usable(i) && source_[(*document.labels)[i]] == (*results.source)[i];
+}
+
+bool BorderSides::usable(std::size_t i) const {
+  const Results& results = document_.results;
+  const std::uint16_t s = (*results.source)[i];
+  if (s == kNoSource) return false;
+  const ResultSource& source = *results.sources[s];
+  return !source.partial && source.swatch && source.region == (*document_.labels)[i];
+}
+
+BorderKind BorderSides::kind(RegionId a, RegionId b) const {
+  for (const BorderKind kind : {BorderKind::Blend, BorderKind::Hard})
+    if (kind_[a] == kind || kind_[b] == kind) return kind;
+  return BorderKind::Cut;
+}
+
+float BorderSides::reach(RegionId from, RegionId into) const {
+  const BorderKind meets = kind(from, into);
+  if (from == into || locked_[into] || meets == BorderKind::Hard) return 0;
+  float width = 0;
+  for (const RegionId side : {from, into})
+    if (kind_[side] == meets) width = std::max(width, width_[side]);
+  return locked_[from] ? width : width / 2;
+}
+
+float BorderSides::farthestReach(RegionId from) const {
+  float most = 0;
+  for (std::size_t into = 0; into < kRegions; ++into)
+    if (source_[into] != kNoSource) most = std::max(most, reach(from, static_cast<RegionId>(into)));
+  return most;
+}
+
+std::array<std::vector<Index>, BorderSides::kRegions> BorderSides::rims(Monitor& monitor) const {
+  const Neighborhoods& all = document_.scan->prepared.neighborhoods;
+  std::vector<bool> rim(all.size(), false);
+  const std::size_t links = linksOf(all);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % kCheckpointEvery == 0) monitor.checkpoint();
+    for (const Index j : all.of(i).first(links))
+      if (of(static_cast<Index>(i)) != of(j)) rim[i] = rim[j] = true;
+  }
+  std::array<std::vector<Index>, kRegions> out;
+  for (Index i = 0; i < all.size(); ++i)
+    if (rim[i] && takesPart(i)) out[of(i)].push_back(i);
+  return out;
+}
+
+BorderSides::Halo BorderSides::haloOf(RegionId region, std::span<const Index> rim,
+                                      Monitor& monitor) const {
+  const PreparedScan& prepared = document_.scan->prepared;
+  // The border runs between the points: half a spacing before the first one beyond.
+  const float half = prepared.spacing / 2;
+  const std::vector<float> distance = surfaceDistances({document_.points(), prepared.neighborhoods},
+                                                       rim, farthestReach(region) + half, monitor);
+  Halo halo;
+  for (Index i = 0; i < document_.size(); ++i)
+    if (takesPart(i) && of(i) != region && distance[i] - half < reach(region, of(i)))
+      halo.points.push_back(i);
+  std::sort(halo.points.begin(), halo.points.end(), [&](Index a, Index b) {
+    return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
+  });
+  for (const Index i : halo.points) halo.inside.push_back(std::max(0.f, distance[i] - half));
+  return halo;
+}
+
+}  // namespace dapple

@@ -1,0 +1,56 @@
+// The regions of a document as their borders see them: which take part, how they meet, and which
+// points of their neighbours a pattern reaches.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "document/document.h"
+
+namespace dapple {
+
+class BorderSides {
+ public:
+  static constexpr std::size_t kRegions = kMostRegions + 1;
+
+  explicit BorderSides(const Document& document);
+
+  bool takesPart(Index i) const { return takesPart_[i]; }
+  RegionId of(Index i) const { return (*document_.labels)[i]; }
+  bool locked(RegionId region) const { return locked_[region]; }
+  // kNoSource: takes no part.
+  std::uint16_t source(RegionId region) const { return source_[region]; }
+  std::uint16_t sourceAt(Index i) const {
+    return takesPart_[i] ? (*document_.results.source)[i] : kNoSource;
+  }
+
+  // How two regions meet (border_blend.h).
+  BorderKind kind(RegionId a, RegionId b) const;
+  // How far `from` reaches into `into`, local units; 0: not at all.
+  float reach(RegionId from, RegionId into) const;
+  float farthestReach(RegionId from) const;
+
+  // By region: its points that are linked to a point of another. Throws Cancelled.
+  std::array<std::vector<Index>, kRegions> rims(Monitor& monitor) const;
+
+  // Points of other regions that a region's pattern reaches, nearest first, and how far inside of
+  // their own they lie.
+  struct Halo {
+    std::vector<Index> points;
+    std::vector<float> inside;  // local units from the border
+  };
+  // `rim` as rims() has it. Throws Cancelled.
+  Halo haloOf(RegionId region, std::span<const Index> rim, Monitor& monitor) const;
+
+ private:
+  bool usable(std::size_t i) const;
+
+  const Document& document_;
+  std::vector<bool> takesPart_;
+  std::array<std::uint16_t, kRegions> source_{};
+  std::array<BorderKind, kRegions> kind_{};
+  std::array<float, kRegions> width_{};  // local units
+  std::array<bool, kRegions> locked_{};
+};
+
+}  // namespace dapple
