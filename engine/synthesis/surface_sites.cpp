@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/errors.h"
+#include "base/simd.h"
 
 namespace dapple {
 namespace {
@@ -21,6 +22,9 @@ constexpr float kDense = 0.7f;           // of a pixel: spacing below which poin
 constexpr double kDenseShare = 0.05;     // of the points that makes it worth while
 constexpr float kSparse = 1.7f;          // of a step: spacing beyond which a site is frozen
 constexpr float kGrazing = 0.05f;        // least sine of a direction to the normal
+// Neighbours on levels that are no coarser than texels, where most sites keep their places. With 16
+// and 8, mean F of eight swatches on the bunny of 85,000 points is 0.618 and 0.616.
+constexpr std::size_t kFinestNear = 8;
 constexpr float kUnfiltered = 1.25f;  // of a pixel: spacing up to which the swatch itself is read
 
 // Spacing over the size of a pixel there, for every point.
@@ -119,34 +123,97 @@ int firstLevel(const SynthesisInput& input) {
   return std::max(0, static_cast<int>(std::floor(std::log2(quantile(spacing, 0.25)) + 0.3f)));
 }
 
-[[gnu::always_inline]] inline SurfaceWays::Offset offsetBetween(const SynthesisInput& input,
-                                                                Index from, Index to) {
-  const std::vector<vec3>& positions = input.chart ? *input.chart : input.points.positions;
-  const TangentFrame &a = input.frames[from], &b = input.frames[to];
-  SurfaceWays::Offset out;
-  if (!(glm::dot(a.n, b.n) > 0)) return out;
-  const vec3 v = positions[to] - positions[from];
-  // (cos, sin) of the angle from a's axes to b's, carried from b's plane to a's by the least
-  // rotation, times 1 + a.n . b.n.
-  const float c = glm::dot(a.s, b.s) + glm::dot(a.t, b.t);
-  const float s = glm::dot(a.t, b.s) - glm::dot(a.s, b.t);
-  out.quarters = c >= std::abs(s) ? 0 : s > std::abs(c) ? 1 : c <= -std::abs(s) ? 2 : 3;
-  const vec2 here(glm::dot(v, a.s), glm::dot(v, a.t));
-  vec2 there(glm::dot(v, b.s), glm::dot(v, b.t));
-  for (int q = 0; q < out.quarters; ++q) there = {-there.y, there.x};
-  const float length2 = glm::dot(v, v);
-  const float here2 = glm::dot(here, here), there2 = glm::dot(there, there);
-  if (!(length2 > 0)) {  // a twin
-    out.seen = true;
-    return out;
+// Of a site and its neighbours, in columns: what of them their offsets depend on.
+struct alignas(64) NearFrames {
+  float wayX[kMostNear], wayY[kMostNear], wayZ[kMostNear];  // to the neighbour, local units
+  float sX[kMostNear], sY[kMostNear], sZ[kMostNear];
+  float tX[kMostNear], tY[kMostNear], tZ[kMostNear];
+  float facing[kMostNear];  // cosine of the angle between both normals
+  float unit[kMostNear];
+  // Found:
+  float pixelsX[kMostNear], pixelsY[kMostNear];
+  std::int32_t quarters[kMostNear], seen[kMostNear];
+  std::size_t count = 0;
+
+  void add(const SynthesisInput& input, Index from, Index to) {
+    const std::vector<vec3>& positions = input.chart ? *input.chart : input.points.positions;
+    const TangentFrame& frame = input.frames[to];
+    const vec3 way = positions[to] - positions[from];
+    wayX[count] = way.x, wayY[count] = way.y, wayZ[count] = way.z;
+    sX[count] = frame.s.x, sY[count] = frame.s.y, sZ[count] = frame.s.z;
+    tX[count] = frame.t.x, tY[count] = frame.t.y, tZ[count] = frame.t.z;
+    facing[count] = glm::dot(input.frames[from].n, frame.n);
+    unit[count] = input.unitAt(to);
+    ++count;
   }
-  if (!(std::min(here2, there2) > kGrazing * kGrazing * length2)) return out;
-  // [Zhang], Appendix A: as long as the way through space, along the tangent plane of either end.
-  const vec2 direction = here / std::sqrt(here2) + there / std::sqrt(there2);
-  const float scale = std::sqrt(length2) / (input.unitAt(from) + input.unitAt(to));
-  out.pixels = {direction.x * scale, -direction.y * scale};  // image rows run down
-  out.seen = true;
-  return out;
+  SurfaceWays::Offset offset(std::size_t a) const {
+    return {seen[a] != 0, {pixelsX[a], pixelsY[a]}, quarters[a]};
+  }
+};
+
+// The offsets of all neighbours at once; lanes beyond the last one hold anything.
+[[gnu::always_inline]] inline void findOffsets(NearFrames& near, const TangentFrame& own,
+                                               float unit) {
+  for (std::size_t a = 0; a < kMostNear; ++a) {
+    const float vx = near.wayX[a], vy = near.wayY[a], vz = near.wayZ[a];
+    // (cos, sin) of the angle from own axes to the neighbour's, carried from its plane to the own
+    // one by the least rotation, times 1 + facing.
+    const float c = own.s.x * near.sX[a] + own.s.y * near.sY[a] + own.s.z * near.sZ[a] +
+                    own.t.x * near.tX[a] + own.t.y * near.tY[a] + own.t.z * near.tZ[a];
+    const float s = own.t.x * near.sX[a] + own.t.y * near.sY[a] + own.t.z * near.sZ[a] -
+                    (own.s.x * near.tX[a] + own.s.y * near.tY[a] + own.s.z * near.tZ[a]);
+    const float absC = std::abs(c), absS = std::abs(s);
+    const std::int32_t along = c < 0 ? 2 : 0, across = s > 0 ? 1 : 3;
+    const std::int32_t quarters = absC >= absS ? along : across;
+    const float hereX = vx * own.s.x + vy * own.s.y + vz * own.s.z;
+    const float hereY = vx * own.t.x + vy * own.t.y + vz * own.t.z;
+    const float theirX = vx * near.sX[a] + vy * near.sY[a] + vz * near.sZ[a];
+    const float theirY = vx * near.tX[a] + vy * near.tY[a] + vz * near.tZ[a];
+    const float onceX = quarters & 1 ? -theirY : theirX, onceY = quarters & 1 ? theirX : theirY;
+    const float thereX = quarters & 2 ? -onceX : onceX, thereY = quarters & 2 ? -onceY : onceY;
+    const float length2 = vx * vx + vy * vy + vz * vz;
+    const float here2 = hereX * hereX + hereY * hereY, there2 = thereX * thereX + thereY * thereY;
+    const float least = kGrazing * kGrazing * length2;
+    // [Zhang], Appendix A: as long as the way through space, along the tangent plane of either end.
+    const float tiny = std::numeric_limits<float>::min();
+    const float hereScale = 1 / std::sqrt(std::max(here2, tiny));
+    const float thereScale = 1 / std::sqrt(std::max(there2, tiny));
+    const float scale = std::sqrt(length2) / (unit + near.unit[a]);
+    near.pixelsX[a] = (hereX * hereScale + thereX * thereScale) * scale;
+    near.pixelsY[a] = -(hereY * hereScale + thereY * thereScale) * scale;  // image rows run down
+    near.quarters[a] = quarters;
+    const bool grazes = !(std::min(here2, there2) > least), twin = !(length2 > 0);
+    near.seen[a] = (near.facing[a] > 0) & (!grazes | twin);
+  }
+}
+
+// What the levels are synthesized on, a row of it at a time.
+struct SiteRows {
+  const SynthesisInput& input;
+  const SurfaceLevel& surface;
+  const Neighborhoods& near;
+  std::size_t k;
+  WayScale toWay;
+};
+
+// The ways from sites begin..end to their neighbours; whether some have quarters.
+DAPPLE_CLONES bool writeWays(const SiteRows& rows, std::size_t begin, std::size_t end, Way* ways) {
+  NearFrames near{};
+  bool turned = false;
+  for (std::size_t i = begin; i < end; ++i, ways += rows.k) {
+    const Index point = pointAt(rows.surface, i);
+    const auto row = rows.near.of(i);
+    near.count = 0;
+    for (std::size_t a = 0; a < rows.k; ++a)
+      near.add(rows.input, point, pointAt(rows.surface, row[a]));
+    findOffsets(near, rows.input.frames[point], rows.input.unitAt(point));
+    for (std::size_t a = 0; a < rows.k; ++a) {
+      turned |= near.seen[a] != 0 && near.quarters[a] != 0;
+      ways[a] = near.seen[a] != 0 ? rows.toWay({near.pixelsX[a], near.pixelsY[a]}, near.quarters[a])
+                                  : Way{kNoWay, 0};
+    }
+  }
+  return turned;
 }
 
 }  // namespace
@@ -177,7 +244,10 @@ std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, M
 }
 
 SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
-  return offsetBetween(in_, from, to);
+  NearFrames near{};
+  near.add(in_, from, to);
+  findOffsets(near, in_.frames[from], in_.unitAt(from));
+  return near.offset(0);
 }
 
 SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
@@ -185,28 +255,24 @@ SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
   const Neighborhoods& near = nearOf(surface, in_);
   SiteLevel out{.level = surface.level,
                 .size = near.size(),
-                .k = std::min(kMostNear, near.k),
+                .k = std::min(surface.level > 0 ? kMostNear : kFinestNear, near.k),
                 .stride = near.k,
                 .ids = near.ids};
   out.ways.resize(out.size * out.k);
-  const WayScale toWay(surface.level, reach);
+  const SiteRows rows{in_, surface, near, out.k, WayScale(surface.level, reach)};
   std::vector<std::uint8_t> frozen(out.size, 0);
   std::atomic<bool> some = false, turned = false;
+  const std::size_t farthest = std::min(kMostNear, near.k);
   const float sparse = std::ldexp(kSparse, surface.level);
-  const float toSpacing = std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(out.k) + 0.5f));
+  const float toSpacing =
+      std::sqrt(std::numbers::pi_v<float> / (static_cast<float>(farthest) + 0.5f));
   parallelFor(monitor, out.size, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (writeWays(rows, begin, end, &out.ways[begin * out.k])) turned = true;
     for (std::size_t i = begin; i < end; ++i) {
       const Index point = pointAt(surface, i);
-      const auto row = near.of(i);
-      for (std::size_t a = 0; a < out.k; ++a) {
-        const Offset offset = offsetBetween(in_, point, pointAt(surface, row[a]));
-        if (offset.seen && offset.quarters != 0) turned = true;
-        out.ways[i * out.k + a] =
-            offset.seen ? toWay(offset.pixels, offset.quarters) : Way{kNoWay, 0};
-      }
+      const Index last = pointAt(surface, near.of(i)[farthest - 1]);
       const float spacing =
-          toSpacing * distanceBetween(in_.points.positions[point],
-                                      in_.points.positions[pointAt(surface, row[out.k - 1])]);
+          toSpacing * distanceBetween(in_.points.positions[point], in_.points.positions[last]);
       if (spacing > sparse * in_.unitAt(point) || in_.isKept(point)) {
         frozen[i] = 1;
         some = true;
