@@ -177,14 +177,14 @@ SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
 }
 
 SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
-                               Monitor& monitor) const {
+                               std::span<const std::uint8_t> open, Monitor& monitor) const {
   const Neighborhoods& near = nearOf(surface, in_);
   SiteLevel out{.level = surface.level,
                 .size = near.size(),
                 .k = std::min(kMostNear, near.k),
                 .stride = near.k,
                 .ids = near.ids};
-  out.ways.resize(out.size * out.k);
+  out.ways.assign(out.size * out.k, {kNoWay, 0});
   const WayScale toWay(surface.level, reach);
   std::vector<std::uint8_t> frozen(out.size, 0);
   std::atomic<bool> some = false, turned = false;
@@ -193,17 +193,22 @@ SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
   parallelFor(monitor, out.size, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index point = pointAt(surface, i);
+      if (!open.empty() && !open[point]) {
+        frozen[i] = 1;
+        some = true;
+        continue;
+      }
       const auto row = near.of(i);
       for (std::size_t a = 0; a < out.k; ++a) {
         const Offset offset = offsetBetween(in_, point, pointAt(surface, row[a]));
-        if (offset.seen && offset.quarters != 0) turned = true;
-        out.ways[i * out.k + a] =
-            offset.seen ? toWay(offset.pixels, offset.quarters) : Way{kNoWay, 0};
+        if (!offset.seen) continue;
+        if (offset.quarters != 0) turned = true;
+        out.ways[i * out.k + a] = toWay(offset.pixels, offset.quarters);
       }
       const float spacing =
           toSpacing * distanceBetween(in_.points.positions[point],
                                       in_.points.positions[pointAt(surface, row[out.k - 1])]);
-      if (spacing > sparse * in_.unitAt(point) || in_.isKept(point)) {
+      if (spacing > sparse * in_.unitAt(point)) {
         frozen[i] = 1;
         some = true;
       }

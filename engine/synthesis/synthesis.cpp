@@ -3,12 +3,14 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "points/normals.h"
 #include "synthesis/baselines.h"
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/grid_matching.h"
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
+#include "synthesis/seam_repair.h"
 #include "synthesis/tiling_synthesis.h"
 
 namespace dapple {
@@ -33,14 +35,26 @@ GridOptions gridOptions(const TextureOptions& options) {
           .seed = options.seed};
 }
 
+// Methods that leave seams.
+bool repairs(const TextureOptions& options) {
+  return options.repair > 0 &&
+         (options.method == Method::Hybrid || options.method == Method::Patches ||
+          options.method == Method::Grid);
+}
+
+RepairOptions repairOptions(const TextureOptions& options) {
+  return {.width = static_cast<float>(options.repair), .filtered = options.method == Method::Grid};
+}
+
 std::size_t passesOf(const TextureOptions& options) {
+  const std::size_t more = repairs(options) ? 1 : 0;
   switch (options.method) {
     case Method::Hybrid:
-      return hybridPasses(options.gaps);
+      return hybridPasses(options.gaps) + more;
     case Method::Grid:
-      return gridPasses(gridOptions(options));
+      return gridPasses(gridOptions(options)) + more;
     default:
-      return 1;
+      return 1 + more;
   }
 }
 
@@ -65,6 +79,12 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   input.follow = options.follow && options.field != FieldMethod::Random;
   input.symmetry = foldsOf(options.symmetry);
   const std::size_t n = input.points.size();
+  // Made once, for the method and for its repair.
+  std::vector<vec3> chart;
+  if (repairs(options) && !input.chart) {
+    chart = smoothedPositions(input.points, input.neighborhoods, monitor);
+    input.chart = &chart;
+  }
   monitor.begin(Stage::Synthesis, n, passesOf(options));
   SynthesisResult result{.map = input.kept ? *input.kept : emptySourceMap(n, input.unit)};
   result.map.scale.assign(input.scale.begin(), input.scale.end());
@@ -105,6 +125,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       scatterTexels(input, options.seed, map, monitor);
       break;
   }
+  if (repairs(options)) repairSeams(input, repairOptions(options), map, monitor);
   const auto matched = std::count(map.state.begin(), map.state.end(), PointState::Matched);
   result.statistics.matchedShare = static_cast<double>(matched) / static_cast<double>(n);
   return result;
