@@ -43,7 +43,7 @@ constexpr bool relaxesPlaces(const T& o) {
   return isCoordinates(o) || o.method == Method::Tiling;
 }
 constexpr bool hasSeams(const T& o) {
-  return growsPatches(o) || isGrid(o);
+  return growsPatches(o) || matchesOrGrid(o) || o.method == Method::Tiling;
 }
 constexpr bool isDirected(const T& o) {
   return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o);
@@ -130,8 +130,8 @@ constexpr std::array kTable = {
               .field = &T::repair,
               .low = 0,
               .high = 64,
-              .help = "patches, grid: swatch pixels on both sides of seams where places in the "
-                      "swatch are relaxed as by coordinates; 0 leaves seams as they are",
+              .help = "all but coordinates: swatch pixels on both sides of a seam within which "
+                      "coordinates mend it, 0 to leave seams as they are",
               .counts = hasSeams},
     OptionRow{.name = "tileable",
               .field = &T::tileable,

@@ -35,15 +35,29 @@ GridOptions gridOptions(const TextureOptions& options) {
           .seed = options.seed};
 }
 
-// Methods that leave seams.
+// The others have no seams, or no places.
 bool repairs(const TextureOptions& options) {
-  return options.repair > 0 &&
-         (options.method == Method::Hybrid || options.method == Method::Patches ||
-          options.method == Method::Grid);
+  switch (options.method) {
+    case Method::Hybrid:
+    case Method::Patches:
+    case Method::Grid:
+    case Method::Match:
+    case Method::Tiling:
+      return options.repair > 0;
+    default:
+      return false;
+  }
+}
+
+// Lays points out where smoothing takes them to lie; the others do so where they are.
+bool charts(const TextureOptions& options) {
+  return options.method == Method::Hybrid || options.method == Method::Patches ||
+         options.method == Method::Grid;
 }
 
 RepairOptions repairOptions(const TextureOptions& options) {
-  return {.width = static_cast<float>(options.repair), .filtered = options.method == Method::Grid};
+  const bool growsPatches = options.method == Method::Hybrid || options.method == Method::Patches;
+  return {.width = static_cast<float>(options.repair), .filtered = !growsPatches};
 }
 
 std::size_t passesOf(const TextureOptions& options) {
@@ -81,7 +95,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   const std::size_t n = input.points.size();
   // Made once, for the method and for its repair.
   std::vector<vec3> chart;
-  if (repairs(options) && !input.chart) {
+  if (repairs(options) && charts(options) && !input.chart) {
     chart = smoothedPositions(input.points, input.neighborhoods, monitor);
     input.chart = &chart;
   }
