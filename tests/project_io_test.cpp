@@ -25,7 +25,7 @@ Document fullDocument(const TestFolder& folder) {
                    .reference = {.path = folder / "bricks.png", .crop = PixelRect{3, 4, 30, 32}}});
   d = applied(d, SetSwatch{.region = 0, .reference = {.path = folder / "noise.png"}});
   TextureOptions options;
-  options.method = Method::Patches;  // blends
+  options.method = Method::Patches, options.repair = 0;  // blends
   options.scale = 1.25;
   d = applied(d, SetRegion{.region = 0, .rotation = 12.5, .borderWidth = 2, .options = options});
   Stroke stroke = meridian(d);

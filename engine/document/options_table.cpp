@@ -42,6 +42,9 @@ constexpr bool isCoordinates(const T& o) {
 constexpr bool relaxesPlaces(const T& o) {
   return isCoordinates(o) || o.method == Method::Tiling;
 }
+constexpr bool hasSeams(const T& o) {
+  return growsPatches(o) || matchesOrGrid(o) || o.method == Method::Tiling;
+}
 constexpr bool isDirected(const T& o) {
   return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o);
 }
@@ -123,6 +126,13 @@ constexpr std::array kTable = {
         .high = 32,
         .help = "coordinates: visits of every point on the finest level; coarser ones get more",
         .counts = isCoordinates},
+    OptionRow{.name = "repair",
+              .field = &T::repair,
+              .low = 0,
+              .high = 64,
+              .help = "all but coordinates: swatch pixels on both sides of a seam within which "
+                      "coordinates mend it, 0 to leave seams as they are",
+              .counts = hasSeams},
     OptionRow{.name = "tileable",
               .field = &T::tileable,
               .choices = "auto|yes|no",

@@ -20,6 +20,11 @@ struct Place {
 inline constexpr int kPlaceBits = 10;
 inline constexpr float kPlaceScale = 1 << kPlaceBits;
 
+// Rounded to the next place towards 0.
+inline Place placeOf(vec2 pixels) {
+  return {static_cast<std::int32_t>(pixels.x * kPlaceScale),
+          static_cast<std::int32_t>(pixels.y * kPlaceScale)};
+}
 inline vec2 texelOf(Place place) {
   return vec2(static_cast<float>(place.x), static_cast<float>(place.y)) / kPlaceScale;
 }

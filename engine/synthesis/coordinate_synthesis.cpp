@@ -10,6 +10,7 @@
 #include "base/hash_rng.h"
 #include "synthesis/baselines.h"
 #include "synthesis/coordinate_relaxation.h"
+#include "synthesis/place_levels.h"
 #include "synthesis/surface_sites.h"
 
 namespace dapple {
@@ -21,24 +22,26 @@ class Synthesizer {
  public:
   Synthesizer(const SynthesisInput& input, const CoordinateOptions& options, SourceMap& map,
               Monitor& monitor)
-      : in_(input),
-        options_(options),
-        map_(map),
-        monitor_(monitor),
-        domain_(input.swatch),
-        ways_(input) {}
+      : in_(input), options_(options), map_(map), monitor_(monitor) {}
 
   void run() {
     const int wanted = options_.levels > 0 ? options_.levels : appearanceLevels(in_.swatch);
     surface_ = thinSurface(in_, wanted, monitor_);
     monitor_.begin(Stage::Synthesis, in_.points.size());
     planWork();
+    PlaceLevels levels(in_, surface_, task());
+    std::vector<float> errors(in_.points.size(), 0.0f);
     for (std::size_t l = surface_.size(); l-- > 0;) {
-      start(l);
-      if (surface_[l].level >= 0) relax(l);
+      levels.enter(l, monitor_);
+      const auto afterClass = [&] {
+        worked(sizeOf(l) / PlaceRelaxation::kClasses);
+        if (monitor_.wantsPreview()) preview(levels, surface_[l].level);
+      };
+      if (surface_[l].level >= 0)
+        levels.relax(passesOf(l), afterClass, l == 0 ? &errors : nullptr, monitor_);
       if (l > 0) surface_[l].near = {};
     }
-    write();
+    write(levels.places(), errors);
   }
 
  private:
@@ -48,6 +51,24 @@ class Synthesizer {
 
   std::size_t sizeOf(std::size_t l) const {
     return surface_[l].points.empty() ? in_.points.size() : surface_[l].points.size();
+  }
+
+  // Kept points stay where they are, all others begin anywhere.
+  PlaceTask task() const {
+    const PlaceDomain domain(in_.swatch);
+    PlaceTask task{.start = std::vector<Place>(in_.points.size()), .guessed = true};
+    if (in_.kept) task.open.assign(in_.points.size(), 1);
+    parallelFor(monitor_, task.start.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (in_.isKept(i)) {
+          task.start[i] = domain.wrapped(placeOf(in_.kept->texel[i]));
+          task.open[i] = domain.contains(task.start[i]) ? 0 : 1;
+        }
+        // A place that is not of this swatch is found anew.
+        if (task.open.empty() || task.open[i]) task.start[i] = domain.random(options_.seed, i, 1);
+      }
+    });
+    return task;
   }
 
   void planWork() {
@@ -67,90 +88,26 @@ class Synthesizer {
     reported_ = target;
   }
 
-  // Nothing: it is to be found. A place that is not of this swatch is found anew.
-  std::optional<Place> keptPlace(Index point) const {
-    if (!in_.isKept(point)) return std::nullopt;
-    const vec2 scaled = kPlaceScale * in_.kept->texel[point];
-    const Place place = domain_.wrapped({static_cast<std::int32_t>(std::lround(scaled.x)),
-                                         static_cast<std::int32_t>(std::lround(scaled.y))});
-    return domain_.contains(place) ? std::optional(place) : std::nullopt;
-  }
-
-  // Places of level l from those of the next one.
-  std::vector<Place> extended(std::size_t l, const std::vector<Place>& coarse) {
-    const SurfaceLevel &fine = surface_[l], &above = surface_[l + 1];
-    std::vector<Place> out(sizeOf(l));
-    parallelFor(monitor_, out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Index parent = fine.parent[i];
-        const Index from = pointAt(above, parent), to = pointAt(fine, i);
-        if (const auto kept = keptPlace(to)) {
-          out[i] = *kept;
-          continue;
-        }
-        Place way{0, 0};
-        if (from != to) {
-          const vec2 pixels = ways_.between(from, to).pixels * kPlaceScale;
-          way = {static_cast<std::int32_t>(pixels.x), static_cast<std::int32_t>(pixels.y)};
-        }
-        out[i] = domain_.moved(coarse[parent], way);
-      }
-    });
-    return out;
-  }
-
-  void start(std::size_t l) {
-    if (l + 1 < surface_.size()) {
-      places_ = extended(l, places_);
-      return;
-    }
-    places_.resize(sizeOf(l));
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      const Index point = pointAt(surface_[l], i);
-      const auto kept = keptPlace(point);
-      places_[i] = kept ? *kept : domain_.random(options_.seed, point, 1);
-    }
-  }
-
-  void relax(std::size_t l) {
-    const int level = surface_[l].level;
-    const SiteLevel sites =
-        ways_.sitesOf(surface_[l], appearanceReach(in_.swatch, level), monitor_);
-    const AppearanceLevel appearance = makeAppearance(in_.swatch, level, sites.turned, monitor_);
-    PlaceRelaxation relaxation(sites, appearance, domain_, places_, monitor_);
-    const int passes = passesOf(l);
-    for (int pass = 0; pass < passes; ++pass)
-      for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) {
-        relaxation.updateClass(c, monitor_);
-        worked(sizeOf(l) / PlaceRelaxation::kClasses);
-        if (monitor_.wantsPreview()) preview(l);
-      }
-    if (l == 0) errors_ = relaxation.errors(monitor_);
-  }
-
-  // Every point as its ancestor has it.
-  void preview(std::size_t l) {
-    std::vector<Place> places = places_;
-    for (std::size_t m = l; m-- > 0;) places = extended(m, places);
+  void preview(const PlaceLevels& levels, int level) {
+    const std::vector<Place> places = levels.placesOfAll(monitor_);
     std::vector<vec3> colours(places.size());
-    const float level = static_cast<float>(std::max(0, surface_[l].level));
     parallelFor(monitor_, places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        colours[i] = sampleSwatch(in_.swatch, texelOf(places[i]), level);
+        colours[i] =
+            sampleSwatch(in_.swatch, texelOf(places[i]), static_cast<float>(std::max(0, level)));
     });
     const std::vector<PointState> states(places.size(), PointState::Matched);
     monitor_.publish({colours, states});
   }
 
-  void write() {
+  void write(const std::vector<Place>& places, const std::vector<float>& errors) {
     const std::size_t n = in_.points.size();
-    if (errors_.empty()) errors_.assign(n, 0.0f);
     std::vector<vec2> texel = map_.texel;
     std::vector<vec3> colour = map_.colour;
     parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         if (in_.isKept(i)) continue;
-        texel[i] = texelOf(places_[i]);
+        texel[i] = texelOf(places[i]);
         colour[i] = sampleSwatch(in_.swatch, texel[i], readLevel(in_, i));
       }
     });
@@ -158,7 +115,7 @@ class Synthesizer {
     map_.colour = std::move(colour);
     for (std::size_t i = 0; i < n; ++i) {
       if (in_.isKept(i)) continue;
-      map_.error[i] = errors_[i];
+      map_.error[i] = errors[i];
       map_.frame[i] = in_.frames[i];
       map_.state[i] = PointState::Matched;
       map_.patch[i] = map_.order[i] = kNone;
@@ -174,11 +131,7 @@ class Synthesizer {
   const CoordinateOptions& options_;
   SourceMap& map_;
   Monitor& monitor_;
-  PlaceDomain domain_;
-  SurfaceWays ways_;
   std::vector<SurfaceLevel> surface_;
-  std::vector<Place> places_;
-  std::vector<float> errors_;
   std::size_t work_ = 0, done_ = 0, reported_ = 0;
 };
 

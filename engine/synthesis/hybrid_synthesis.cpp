@@ -112,8 +112,6 @@ void fillByCutting(const SynthesisInput& input, const HybridOptions& options, So
   show();
   statistics.seams = cutSeams(input, overlap, map, monitor);
   show();
-  if (options.band.width > 0)
-    statistics.matchedAgain = matchBand(input, options.band, map, monitor);
 }
 
 void validate(const HybridOptions& options) {

@@ -4,7 +4,6 @@
 #include "base/monitor.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
-#include "synthesis/seam_band.h"
 #include "synthesis/seam_cut.h"
 #include "synthesis/source_map.h"
 #include "synthesis/synthesis_input.h"
@@ -18,7 +17,6 @@ struct HybridOptions {
   bool expand = false;       // Match: patch points next to a gap become gap first
   MatchingOptions matching;  // Match
   float overlap = 8;         // Cut: pixels that patches grow over each other, [0, 64]
-  BandOptions band;          // Cut: width 0 for none
 };
 
 struct HybridStatistics {
@@ -27,7 +25,6 @@ struct HybridStatistics {
   MatchingStatistics matching;
   std::size_t movedPatches = 0;  // by alignment with their neighbours
   SeamStatistics seams;
-  std::size_t matchedAgain = 0;  // points of the band that changed
 };
 
 // How often synthesizeHybrid() counts every point (Match: gap points only, after the first time).

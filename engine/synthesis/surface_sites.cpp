@@ -192,16 +192,24 @@ struct SiteRows {
   const SynthesisInput& input;
   const SurfaceLevel& surface;
   const Neighborhoods& near;
+  std::span<const std::uint8_t> open;  // by point; empty: all are
   std::size_t k;
   WayScale toWay;
+
+  bool isOpen(Index point) const { return open.empty() || open[point]; }
 };
 
-// The ways from sites begin..end to their neighbours; whether some have quarters.
+// The ways from sites begin..end to their neighbours, none from those that are not open; whether
+// some have quarters.
 DAPPLE_CLONES bool writeWays(const SiteRows& rows, std::size_t begin, std::size_t end, Way* ways) {
   NearFrames near{};
   bool turned = false;
   for (std::size_t i = begin; i < end; ++i, ways += rows.k) {
     const Index point = pointAt(rows.surface, i);
+    if (!rows.isOpen(point)) {
+      std::fill_n(ways, rows.k, Way{kNoWay, 0});
+      continue;
+    }
     const auto row = rows.near.of(i);
     near.count = 0;
     for (std::size_t a = 0; a < rows.k; ++a)
@@ -251,7 +259,7 @@ SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
 }
 
 SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
-                               Monitor& monitor) const {
+                               std::span<const std::uint8_t> open, Monitor& monitor) const {
   const Neighborhoods& near = nearOf(surface, in_);
   SiteLevel out{.level = surface.level,
                 .size = near.size(),
@@ -259,7 +267,7 @@ SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
                 .stride = near.k,
                 .ids = near.ids};
   out.ways.resize(out.size * out.k);
-  const SiteRows rows{in_, surface, near, out.k, WayScale(surface.level, reach)};
+  const SiteRows rows{in_, surface, near, open, out.k, WayScale(surface.level, reach)};
   std::vector<std::uint8_t> frozen(out.size, 0);
   std::atomic<bool> some = false, turned = false;
   const std::size_t farthest = std::min(kMostNear, near.k);
@@ -273,7 +281,7 @@ SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
       const Index last = pointAt(surface, near.of(i)[farthest - 1]);
       const float spacing =
           toSpacing * distanceBetween(in_.points.positions[point], in_.points.positions[last]);
-      if (spacing > sparse * in_.unitAt(point) || in_.isKept(point)) {
+      if (!rows.isOpen(point) || spacing > sparse * in_.unitAt(point)) {
         frozen[i] = 1;
         some = true;
       }

@@ -45,9 +45,11 @@ class SurfaceWays {
   // The mean of what both points see, turned back by whole quarters.
   Offset between(Index from, Index to) const;
 
-  // What a level of at least 0 is synthesized on. Sites that lie much further apart than its step
-  // are frozen, and those of kept points. `reach` as AppearanceLevel's. Throws Cancelled.
-  SiteLevel sitesOf(const SurfaceLevel& surface, std::int32_t reach, Monitor& monitor) const;
+  // What a level of at least 0 is synthesized on. Sites of points that are not `open` (n, empty:
+  // all are) are frozen and have no ways; frozen are those as well that lie much further apart than
+  // the level's step. `reach` as AppearanceLevel's. Throws Cancelled.
+  SiteLevel sitesOf(const SurfaceLevel& surface, std::int32_t reach,
+                    std::span<const std::uint8_t> open, Monitor& monitor) const;
 
  private:
   SynthesisInput in_;

@@ -3,12 +3,14 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "points/normals.h"
 #include "synthesis/baselines.h"
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/grid_matching.h"
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
+#include "synthesis/seam_repair.h"
 #include "synthesis/surface_sites.h"
 #include "synthesis/tiling_synthesis.h"
 
@@ -34,14 +36,40 @@ GridOptions gridOptions(const TextureOptions& options) {
           .seed = options.seed};
 }
 
-std::size_t passesOf(const TextureOptions& options) {
+// The others have no seams, or no places.
+bool repairs(const TextureOptions& options) {
   switch (options.method) {
     case Method::Hybrid:
-      return hybridPasses(options.gaps);
+    case Method::Patches:
     case Method::Grid:
-      return gridPasses(gridOptions(options));
+    case Method::Match:
+    case Method::Tiling:
+      return options.repair > 0;
     default:
-      return 1;
+      return false;
+  }
+}
+
+// Lays points out where smoothing takes them to lie; the others do so where they are.
+bool charts(const TextureOptions& options) {
+  return options.method == Method::Hybrid || options.method == Method::Patches ||
+         options.method == Method::Grid;
+}
+
+RepairOptions repairOptions(const TextureOptions& options) {
+  const bool growsPatches = options.method == Method::Hybrid || options.method == Method::Patches;
+  return {.width = static_cast<float>(options.repair), .filtered = !growsPatches};
+}
+
+std::size_t passesOf(const TextureOptions& options) {
+  const std::size_t more = repairs(options) ? 1 : 0;
+  switch (options.method) {
+    case Method::Hybrid:
+      return hybridPasses(options.gaps) + more;
+    case Method::Grid:
+      return gridPasses(gridOptions(options)) + more;
+    default:
+      return 1 + more;
   }
 }
 
@@ -79,6 +107,12 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   input.follow = options.follow && options.field != FieldMethod::Random;
   input.symmetry = foldsOf(options.symmetry);
   const std::size_t n = input.points.size();
+  // Made once, for the method and for its repair.
+  std::vector<vec3> chart;
+  if (repairs(options) && charts(options) && !input.chart) {
+    chart = smoothedPositions(input.points, input.neighborhoods, monitor);
+    input.chart = &chart;
+  }
   monitor.begin(Stage::Synthesis, n, passesOf(options));
   SynthesisResult result{.map = input.kept ? *input.kept : emptySourceMap(n, input.unit)};
   result.map.scale.assign(input.scale.begin(), input.scale.end());
@@ -119,6 +153,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       scatterTexels(input, options.seed, map, monitor);
       break;
   }
+  if (repairs(options)) repairSeams(input, repairOptions(options), map, monitor);
   const auto matched = std::count(map.state.begin(), map.state.end(), PointState::Matched);
   result.statistics.matchedShare = static_cast<double>(matched) / static_cast<double>(n);
   return result;

@@ -6,9 +6,10 @@
 
 #include "base/errors.h"
 #include "synthesis/coordinate_grid.h"
+#include "synthesis/coordinate_relaxation.h"
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/phase_field.h"
-#include "synthesis/place_repair.h"
+#include "synthesis/place_levels.h"
 
 namespace dapple {
 namespace {
@@ -18,6 +19,8 @@ constexpr int kLargestSide = 512;  // pixels: a repeated swatch is twice as larg
 // Of the points: when more are stretched too much, coordinates are synthesized from the start. F of
 // acg_bricks102 on the bunny, 0.79 of which is stretched: 0.55 within phases, 0.76 without.
 constexpr double kMostOpen = 0.6;
+constexpr int kCoarsest = 3;  // level that coordinates are relaxed from
+constexpr int kPasses = 2;    // over the finest
 
 class Tiling {
  public:
@@ -69,15 +72,22 @@ class Tiling {
   }
 
   // Hands what is stretched too much to coordinate synthesis.
-  void repair(std::span<const std::uint8_t> open) {
+  void repair(const std::vector<std::uint8_t>& open) {
     const PlaceDomain domain(in_.swatch);
-    std::vector<Place> places(texel_.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-      places[i] = domain.moved({0, 0}, {static_cast<std::int32_t>(texel_[i].x * kPlaceScale),
-                                        static_cast<std::int32_t>(texel_[i].y * kPlaceScale)});
-    repairPlaces(in_, surface_, open, places, monitor_);
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (open[i]) texel_[i] = texelOf(places[i]);
+    PlaceTask task{.open = open};
+    for (const vec2& texel : texel_) task.start.push_back(domain.moved({0, 0}, placeOf(texel)));
+    std::size_t l = surface_.size() - 1;
+    while (l > 0 && surface_[l].level > kCoarsest) --l;
+    PlaceLevels levels(in_, std::span(surface_).first(l + 1), std::move(task));
+    for (++l; l-- > 0;) {
+      levels.enter(l, monitor_);
+      const int level = surface_[l].level;
+      if (level >= 0)
+        levels.relax(
+            passesOver(level, false, kPasses), [] {}, nullptr, monitor_);
+    }
+    for (std::size_t i = 0; i < texel_.size(); ++i)
+      if (open[i]) texel_[i] = texelOf(levels.places()[i]);
   }
 
   std::vector<vec3> read(const std::vector<vec2>& texel) const {
