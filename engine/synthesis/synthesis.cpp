@@ -9,6 +9,7 @@
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
+#include "synthesis/pattern_mapping.h"
 #include "synthesis/tiling_synthesis.h"
 
 namespace dapple {
@@ -49,6 +50,13 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
   statistics.gapShare = static_cast<double>(patches.gapPoints) / static_cast<double>(points);
   statistics.meanDistortion = patches.meanDistortion;
   statistics.maxDistortion = patches.maxDistortion;
+}
+
+void note(const MappingStatistics& mapping, std::size_t points, SynthesisStatistics& statistics) {
+  statistics.patches = mapping.clusters;
+  statistics.forcedShare = static_cast<double>(mapping.forcedPoints) / static_cast<double>(points);
+  statistics.matchedBorderError = mapping.matchedError;
+  statistics.borderError = mapping.borderError;
 }
 
 }  // namespace
@@ -97,6 +105,9 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       break;
     case Method::Tiling:
       synthesizeTiling(input, {.seed = options.seed}, map, monitor);
+      break;
+    case Method::Mapping:
+      note(mapPattern(input, {.seed = options.seed}, map, monitor), n, result.statistics);
       break;
     case Method::Triplanar:
       projectTriplanar(input, map, monitor);
