@@ -70,23 +70,22 @@ bool ClusterMatcher::matchTurned(const ClusterBorder& border, float angle,
   return true;
 }
 
-bool ClusterMatcher::match(const ClusterBorder& border, std::span<const float> angles,
-                           ClusterMatch& best, Monitor& monitor) const {
-  if (border.samples.empty()) return false;
+std::vector<ClusterMatch> ClusterMatcher::matches(const ClusterBorder& border,
+                                                  std::span<const float> angles,
+                                                  Monitor& monitor) const {
+  std::vector<ClusterMatch> out;
+  if (border.samples.empty()) return out;
   std::vector<ClusterMatch> found(angles.size());
   std::vector<std::uint8_t> any(angles.size(), 0);
-  const auto matchOne = [&](std::size_t a) {
+  monitor.workers().run(angles.size(), [&](std::size_t a) {
     monitor.checkpoint();
     any[a] = matchTurned(border, angles[a], found[a]) ? 1 : 0;
-  };
-  if (angles.size() == 1)
-    matchOne(0);
-  else
-    monitor.workers().run(angles.size(), matchOne);
-  best.error = kInfinity;
+  });
   for (std::size_t a = 0; a < angles.size(); ++a)
-    if (any[a] && found[a].error < best.error) best = found[a];
-  return best.error < kInfinity;
+    if (any[a]) out.push_back(found[a]);
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ClusterMatch& a, const ClusterMatch& b) { return a.error < b.error; });
+  return out;
 }
 
 }  // namespace dapple

@@ -48,10 +48,10 @@ class ClusterMatcher {
   // Compares on the given level of the swatch's stack. The swatch must outlive this.
   ClusterMatcher(const Swatch& swatch, int level);
 
-  // The best of all places and angles (radians). In a swatch that does not tile the cluster's
-  // points lie inside. False when there is no place, or no sample.
-  bool match(const ClusterBorder& border, std::span<const float> angles, ClusterMatch& best,
-             Monitor& monitor) const;
+  // The best place for each of the angles (radians) that has one, best first. In a swatch that does
+  // not tile the cluster's points lie inside. None without samples.
+  std::vector<ClusterMatch> matches(const ClusterBorder& border, std::span<const float> angles,
+                                    Monitor& monitor) const;
 
   const TexelReader& reader() const { return reader_; }
 

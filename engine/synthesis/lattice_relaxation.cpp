@@ -92,40 +92,46 @@ void addSprings(const DisplacementLattice& lattice, float smoothness, float deca
     }
 }
 
-float difference(const TexelReader& reader, std::span<const BorderSample> samples,
-                 std::span<const Float4> wanted, const DisplacementLattice& lattice,
-                 vec2 placement) {
-  if (samples.empty()) return 0;
-  float sum = 0;
-  for (std::size_t s = 0; s < samples.size(); ++s) {
-    const vec2 place = samples[s].place;
-    const Float4 off = readAt(reader, placement + place + lattice.at(place)) - wanted[s];
-    sum += sumOf(off * off);
+// A border on one level of the swatch's stack.
+class BorderFit {
+ public:
+  BorderFit(const TexelReader& reader, std::span<const BorderSample> samples, vec2 placement)
+      : reader_(reader), samples_(samples), placement_(placement) {
+    wanted_.reserve(samples.size());
+    for (const BorderSample& sample : samples) wanted_.push_back(readAt(reader, sample.texel));
   }
-  return std::sqrt(sum / (3 * static_cast<float>(samples.size())));
-}
 
-std::vector<Float4> wantedColours(const TexelReader& reader,
-                                  std::span<const BorderSample> samples) {
-  std::vector<Float4> out;
-  out.reserve(samples.size());
-  for (const BorderSample& sample : samples) out.push_back(readAt(reader, sample.texel));
-  return out;
-}
+  // Root mean square per channel; 0 of no samples.
+  float difference(const DisplacementLattice& lattice) const {
+    if (samples_.empty()) return 0;
+    float sum = 0;
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      const vec2 place = samples_[s].place;
+      const Float4 off = readAt(reader_, placement_ + place + lattice.at(place)) - wanted_[s];
+      sum += sumOf(off * off);
+    }
+    return std::sqrt(sum / (3 * static_cast<float>(samples_.size())));
+  }
 
-// One step; how far it moved the node that moved most. The springs are as stiff as options say
-// when the samples of each node have, on the mean, the slopes that all have.
-float step(const TexelReader& reader, std::span<const BorderSample> samples,
-           std::span<const Float4> wanted, vec2 placement, const RelaxationOptions& options,
-           DisplacementLattice& lattice) {
+  float step(const RelaxationOptions& options, DisplacementLattice& lattice) const;
+
+ private:
+  const TexelReader& reader_;
+  const std::span<const BorderSample> samples_;
+  const vec2 placement_;
+  std::vector<Float4> wanted_;
+};
+
+// How far the node that moved most did, pixels. The springs are as stiff as options say when the
+// samples of each node have, on the mean, the slopes that all have.
+float BorderFit::step(const RelaxationOptions& options, DisplacementLattice& lattice) const {
   const std::span<vec2> nodes = lattice.nodes();
   Equations equations(nodes.size());
   float trace = 0;
-  for (std::size_t s = 0; s < samples.size(); ++s) {
-    const DisplacementLattice::Weights at = lattice.weightsAt(samples[s].place);
-    vec2 texel = placement + samples[s].place;
-    for (int a = 0; a < 4; ++a) texel += at.weight[a] * nodes[at.node[a]];
-    const Slope slope = slopeAt(reader, texel, wanted[s]);
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const DisplacementLattice::Weights at = lattice.weightsAt(samples_[s].place);
+    const vec2 texel = placement_ + samples_[s].place + lattice.at(samples_[s].place);
+    const Slope slope = slopeAt(reader_, texel, wanted_[s]);
     trace += slope.xx + slope.yy;
     addSample(at, slope, equations);
   }
@@ -136,8 +142,8 @@ float step(const TexelReader& reader, std::span<const BorderSample> samples,
   float most = 0;
   for (std::size_t node = 0; node < nodes.size(); ++node) {
     const auto row = static_cast<Eigen::Index>(2 * node);
-    const vec2 move(moves(row), moves(row + 1));
-    const vec2 to = glm::clamp(nodes[node] + move, -options.most, options.most);
+    const vec2 to =
+        glm::clamp(nodes[node] + vec2(moves(row), moves(row + 1)), -options.most, options.most);
     most = std::max({most, std::abs(to.x - nodes[node].x), std::abs(to.y - nodes[node].y)});
     nodes[node] = to;
   }
@@ -182,28 +188,21 @@ vec2 DisplacementLattice::at(vec2 place) const {
   return sum;
 }
 
-float borderDifference(const TexelReader& reader, std::span<const BorderSample> samples,
-                       vec2 placement) {
-  return difference(reader, samples, wantedColours(reader, samples), {}, placement);
-}
-
 Relaxation relaxBorder(const TexelReader& coarse, const TexelReader& fine,
                        std::span<const BorderSample> samples, vec2 placement,
                        const RelaxationOptions& options) {
   Relaxation out;
   if (samples.empty()) return out;
-  const std::vector<Float4> seen = wantedColours(fine, samples);
-  out.before = out.after = difference(fine, samples, seen, {}, placement);
+  const BorderFit seen(fine, samples, placement), blurred(coarse, samples, placement);
+  out.before = out.after = seen.difference({});
   DisplacementLattice lattice(boxOf(samples), options.cell);
-  for (const TexelReader* reader : {&coarse, &fine}) {
-    const std::vector<Float4> wanted = reader == &fine ? seen : wantedColours(*reader, samples);
+  for (const BorderFit* fit : {&blurred, &seen})
     for (int s = 0; s < kSteps; ++s) {
-      const float moved = step(*reader, samples, wanted, placement, options, lattice);
-      const float error = difference(fine, samples, seen, lattice, placement);
+      const float moved = fit->step(options, lattice);
+      const float error = seen.difference(lattice);
       if (error < out.after) out.after = error, out.lattice = lattice;
       if (moved < kSettled) break;
     }
-  }
   return out;
 }
 

@@ -59,8 +59,4 @@ Relaxation relaxBorder(const TexelReader& coarse, const TexelReader& fine,
                        std::span<const BorderSample> samples, vec2 placement,
                        const RelaxationOptions& options = {});
 
-// The same difference without any displacement. 0 of no samples.
-float borderDifference(const TexelReader& reader, std::span<const BorderSample> samples,
-                       vec2 placement);
-
 }  // namespace dapple

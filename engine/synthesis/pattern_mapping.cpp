@@ -8,7 +8,10 @@
 // - a cluster is accepted by its border's difference after relaxation: before, it would be cut
 //   although it can be made to fit;
 // - angles are counted from that of the cluster next door that has most of the border: where
-//   pieces meet at the same angle the pattern goes on.
+//   pieces meet at the same angle the pattern goes on;
+// - where directions are followed a cluster may lie a little askew: F grows by .03, the mean of
+//   eight swatches on 85,000 points of bunny.ply, and F along the directions as much;
+// - of the best angles the one is taken that fits best once its place is bent.
 #include "synthesis/pattern_mapping.h"
 
 #include <algorithm>
@@ -35,6 +38,8 @@ constexpr float kMostOfSwatch = 0.8f;  // of its width and height: larger cluste
 constexpr double kComplete = 0.98;     // of a cluster's points that the chart has, at least
 constexpr double kMostStrained = 0.1;  // of them
 constexpr std::size_t kAngles = 19;    // of a whole turn
+constexpr std::size_t kBent = 3;       // best angles whose places are bent to see which fits
+constexpr float kAskew = 8;            // degrees from a direction that is followed
 constexpr std::size_t kSamples = 240;  // of a border, at most
 constexpr float kRounding = 1e-4f;     // of a difference of colours: a plain swatch has no contrast
 constexpr int kCoarser = 2;            // levels from what is compared to what is relaxed first
@@ -179,21 +184,32 @@ class Mapper {
   }
 
   // Places, bends and checks the cluster of the chart.
-  bool layOut(Layout& layout) {
+  bool layOut(Layout& best) {
     gatherInside();
     gatherBorder();
-    if (samples_.empty()) {
-      if (!placeFirst(layout.match)) return false;
-    } else if (!matcher_.match({inside_, samples_}, angles(), layout.match, monitor_)) {
-      return false;
+    best.samples = samples_.size();
+    if (samples_.empty()) return placeFirst(best.match) && allUsable(best);
+    std::vector<ClusterMatch> matches = matcher_.matches({inside_, samples_}, angles(), monitor_);
+    if (matches.size() > kBent) matches.resize(kBent);
+    bool any = false;
+    for (const ClusterMatch& match : matches) {
+      Layout layout{.match = match, .samples = samples_.size()};
+      bend(layout);
+      if (!allUsable(layout) || (any && layout.relaxation.after >= best.relaxation.after)) continue;
+      best = std::move(layout);
+      any = true;
     }
-    layout.samples = samples_.size();
-    for (BorderSample& sample : samples_) sample.place = layout.match.turn(sample.place);
-    layout.relaxation = relaxBorder(blurred_, matcher_.reader(), samples_, layout.match.placement);
-    if (allUsable(layout)) return true;
+    return any;
+  }
+
+  // Unless that would lead out of the swatch.
+  void bend(Layout& layout) {
+    std::vector<BorderSample> turned(samples_);
+    for (BorderSample& sample : turned) sample.place = layout.match.turn(sample.place);
+    layout.relaxation = relaxBorder(blurred_, matcher_.reader(), turned, layout.match.placement);
+    if (allUsable(layout)) return;
     layout.relaxation.lattice = {};
     layout.relaxation.after = layout.relaxation.before;
-    return allUsable(layout);
   }
 
   void gatherInside() {
@@ -218,11 +234,12 @@ class Mapper {
   }
 
   std::vector<float> angles() const {
-    if (input_.follow) return {0};
+    constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+    if (input_.follow) return {0, kTurn * kAskew / 360, -kTurn * kAskew / 360};
     const float first = neighboursAngle();
     std::vector<float> out;
     for (std::size_t a = 0; a < kAngles; ++a)
-      out.push_back(first + 2 * std::numbers::pi_v<float> * static_cast<float>(a) / kAngles);
+      out.push_back(first + kTurn * static_cast<float>(a) / kAngles);
     return out;
   }
 
@@ -303,7 +320,7 @@ class Mapper {
   void write(Index i, Index patch, vec2 domain, const TangentFrame& frame, float error) {
     map_.domain[i] = domain;
     map_.patch[i] = patch;
-    map_.state[i] = PointState::Patch;
+    map_.state[i] = PointState::Matched;
     map_.frame[i] = frame;
     map_.error[i] = error;
     map_.order[i] = coloured_++;

@@ -24,10 +24,11 @@ struct MappingStatistics {
   double borderError = 0;   // after relaxation; never more
 };
 
-// Colours every point that is not kept. Writes all columns but blends: patch is the cluster's, its
-// points lie at domain, which is turned and relaxed already, error is its border's difference
-// (0..1), state = Patch. No texel is outside a swatch that does not tile. The same bytes at any
-// number of threads. Throws Cancelled; then `map` is good for nothing.
+// Colours every point that is not kept, and fits what it lays out to those that are. Writes all
+// columns but blends: patch is the cluster's, its points lie at domain, which is turned and relaxed
+// already, error is its border's difference (0..1), state = Matched. No texel is outside a swatch
+// that does not tile. The same bytes at any number of threads. Throws Cancelled; then `map` is good
+// for nothing.
 MappingStatistics mapPattern(const SynthesisInput& input, const MappingOptions& options,
                              SourceMap& map, Monitor& monitor);
 

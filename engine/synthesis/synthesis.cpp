@@ -63,7 +63,8 @@ void note(const MappingStatistics& mapping, std::size_t points, SynthesisStatist
 
 bool keepsPoints(const TextureOptions& options) {
   return options.method == Method::Hybrid || options.method == Method::Coordinates ||
-         options.method == Method::Patches || options.method == Method::Match;
+         options.method == Method::Patches || options.method == Method::Match ||
+         options.method == Method::Mapping;
 }
 
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
