@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "base/errors.h"
 #include "fixtures.h"
 #include "synthesis/cluster_chart.h"
 #include "synthesis/cluster_matching.h"
@@ -196,6 +197,45 @@ TEST_CASE("mapping: kept points stay, and what is laid beside them goes on from 
       ++count;
     }
     CHECK(off / count < 0.05);
+  }
+}
+
+TEST_CASE("mapping: a monitor stops it, and counts every point once") {
+  const Scene scene = ball(fixtures::swatchOf(fixtures::blobs(40)));
+  Workers workers(2);
+  std::stop_source stop;
+  double fraction = 0;
+  SourceMap map = emptySourceMap(scene.points.size(), 1);
+  const SynthesisInput input = scene.input(true);
+  {
+    MonitorCallbacks callbacks;
+    callbacks.progress = [&](const Progress& p) { fraction = std::max(fraction, p.fraction); };
+    Monitor monitor(workers, {}, callbacks);
+    monitor.begin(Stage::Synthesis, scene.points.size());
+    mapPattern(input, {}, map, monitor);
+    CHECK(fraction <= 1);
+  }
+  stop.request_stop();
+  Monitor stopped(workers, stop.get_token());
+  map = emptySourceMap(scene.points.size(), 1);
+  CHECK_THROWS_AS(mapPattern(input, {}, map, stopped), Cancelled);
+}
+
+TEST_CASE("mapping: where the density changes tenfold every point still has a place") {
+  PointSet points = fixtures::makePlane(30, 30, 1, 0.7f);
+  const PointSet dense = fixtures::makePlane(30, 30, 0.3f, 0.7f);
+  for (const vec3& p : dense.positions) {
+    if (p.x > 15) continue;
+    points.positions.push_back(p + vec3(-15.5f, 0, 0));
+    points.normals.push_back({0, 0, 1});
+  }
+  const Scene scene{fixtures::inMortonOrder(points),
+                    fixtures::swatchOf(fixtures::blobs(40), Tileable::No)};
+  for (const bool follow : {true, false}) {
+    const auto [map, statistics] = scene.run(follow);
+    for (const vec2& texel : map.texel) REQUIRE(usableTexel(scene.swatch, texel));
+    for (const Index patch : map.patch) REQUIRE(patch < statistics.clusters);
+    CHECK(statistics.clusters < 60);
   }
 }
 

@@ -14,7 +14,7 @@ namespace dapple {
 namespace {
 
 constexpr int kPhases = 2;           // of the search: its places are refined
-constexpr std::size_t kTerms = 150;  // of a search
+constexpr std::size_t kTerms = 100;  // of a search
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
