@@ -188,7 +188,7 @@ class Mapper {
     gatherInside();
     gatherBorder();
     best.samples = samples_.size();
-    if (samples_.empty()) return placeFirst(best.match) && allUsable(best);
+    if (samples_.empty()) return placeFirst(best);
     std::vector<ClusterMatch> matches = matcher_.matches({inside_, samples_}, angles(), monitor_);
     if (matches.size() > kBent) matches.resize(kBent);
     bool any = false;
@@ -266,18 +266,23 @@ class Mapper {
     return std::atan2(sine, cosine);
   }
 
-  // Where nothing around is coloured: anywhere, inside a swatch that does not tile.
-  bool placeFirst(ClusterMatch& match) const {
+  // Where nothing around is coloured: anywhere, inside a swatch that does not tile and, of some
+  // tries, where it has no holes.
+  bool placeFirst(Layout& layout) const {
+    constexpr std::uint64_t kTries = 16;
     const vec2 size(input_.swatch.width, input_.swatch.height);
-    const vec2 random(hashUniform(options_.seed, kPlaceStream, map_.placement.size(), 0),
-                      hashUniform(options_.seed, kPlaceStream, map_.placement.size(), 1));
-    const PlacementBox box = roomyBox(input_.swatch, boxOf(inside_, match.turn));
+    const PlacementBox box = roomyBox(input_.swatch, boxOf(inside_, layout.match.turn));
     const vec2 slack = size - 1.f - (box.high - box.low);
-    match.placement = random * size;
-    if (input_.swatch.tileable) return true;
-    if (!(slack.x >= 0 && slack.y >= 0)) return false;
-    match.placement = 0.5f - box.low + random * slack;
-    return true;
+    if (!input_.swatch.tileable && !(slack.x >= 0 && slack.y >= 0)) return false;
+    for (std::uint64_t attempt = 0; attempt < kTries; ++attempt) {
+      const std::uint64_t patch = map_.placement.size();
+      const vec2 random(hashUniform(options_.seed, kPlaceStream, patch, 2 * attempt),
+                        hashUniform(options_.seed, kPlaceStream, patch, 2 * attempt + 1));
+      layout.match.placement =
+          input_.swatch.tileable ? random * size : 0.5f - box.low + random * slack;
+      if (allUsable(layout)) return true;
+    }
+    return false;
   }
 
   vec2 domainOf(const Layout& layout, std::size_t site) const {
