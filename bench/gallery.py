@@ -17,7 +17,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-METHODS = ["triplanar", "match", "grid", "patches", "hybrid", "tiling", "coordinates", "auto"]
+METHODS = ["triplanar", "match", "grid", "patches", "hybrid", "mapping", "tiling", "coordinates",
+           "auto"]
 STYLE = """
 body { font: 14px sans-serif; background: #1b1c1e; color: #ddd; margin: 2em }
 table { border-collapse: collapse } td, th { padding: 4px 8px; text-align: left; vertical-align: top }

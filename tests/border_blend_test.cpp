@@ -284,8 +284,9 @@ TEST_CASE("cleared and stopped regions give nothing to borders") {
 
 TEST_CASE("regions of few points and of every method blend with their neighbours") {
   const TestFolder folder;
-  for (const Method method : {Method::Hybrid, Method::Patches, Method::Match, Method::Grid,
-                              Method::Coordinates, Method::Triplanar, Method::Random}) {
+  for (const Method method :
+       {Method::Hybrid, Method::Patches, Method::Match, Method::Grid, Method::Mapping,
+        Method::Coordinates, Method::Triplanar, Method::Random}) {
     Document d = sphereDocument(folder, 2000);
     d = applied(d, Select{.points = {0, 1, 2, 3, 4}});
     d = applied(d, AddRegion{});

@@ -15,7 +15,8 @@ using namespace dapple::fixtures;
 namespace {
 
 constexpr float kLong = 60, kWide = 12;  // of a strip, in spacings of 1/2
-constexpr Method kMethods[] = {Method::Hybrid, Method::Patches, Method::Match, Method::Coordinates};
+constexpr Method kMethods[] = {Method::Hybrid, Method::Patches, Method::Match, Method::Coordinates,
+                               Method::Mapping};
 
 // A flat strip with strokes up across it every 6 units.
 Document stripDocument(const TestFolder& folder, const TextureOptions& options) {
@@ -129,7 +130,8 @@ TEST_CASE("a stroke at one end changes that end alone, and the pattern follows i
     CHECK(after.results.sources.size() == 1);
     const Index at = nearest(after, 56.5f, 6);
     const vec3 up = (*after.results.frame)[at].t;
-    CHECK(glm::dot(up, glm::normalize(vec3(5, 8, 0))) > 0.95f);
+    // Clusters may lie up to 8 degrees askew.
+    CHECK(glm::dot(up, glm::normalize(vec3(5, 8, 0))) > (method == Method::Mapping ? 0.9f : 0.95f));
     // As whole as one piece.
     const double whole = coherence(applied(drawn, Synthesize{}));
     CHECK(coherence(after) > whole - 0.03);

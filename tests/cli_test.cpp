@@ -24,6 +24,8 @@ const std::vector<Arguments> kMethods{
     {"--method", "patches"},
     {"--method", "match"},
     {"--method", "coordinates"},
+    {"--method", "mapping"},
+    {"--method", "mapping", "--no-follow"},
     {"--method", "hybrid", "--gaps", "cut"},
     {"--method", "hybrid", "--gaps", "match"},
     {"--method", "triplanar"},
@@ -252,7 +254,7 @@ TEST_CASE("the report and the score are complete, and points set aside are writt
   Json report = Json::parse(bytesOf(folder / "report.json"));
   for (const char* key : {"version", "method", "options", "seed", "threads", "points", "neighbours",
                           "spacing", "seconds", "points_per_second", "patches", "gap_share",
-                          "matched_share", "distortion", "peak_memory", "score"})
+                          "matched_share", "distortion", "mapping", "peak_memory", "score"})
     CHECK_MESSAGE(report.contains(key), key);
   for (const char* key : {"load", "neighbours", "normals", "synthesis", "save"})
     CHECK_MESSAGE(report["seconds"].contains(key), key);

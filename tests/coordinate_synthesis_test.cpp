@@ -338,6 +338,24 @@ TEST_CASE("a torus is seamless and a plane is not wrapped") {
   }
 }
 
+TEST_CASE("planes show whole texels, inside the swatch") {
+  Workers workers(1);
+  Monitor monitor(workers);
+  constexpr std::int32_t kPixel = 1 << kPlaceBits;
+  for (const Tileable tileable : {Tileable::Yes, Tileable::No}) {
+    const Swatch swatch = swatchOf(noise(24), tileable);
+    const PlaceDomain domain(swatch);
+    for (const std::uint64_t seed : {1, 2, 3})
+      for (const Place& place : synthesizeGrid(swatch, {50, 40, false}, {.seed = seed}, monitor)) {
+        REQUIRE(domain.contains(place));
+        REQUIRE(std::min(place.x, place.y) >= 0);
+        REQUIRE(std::max(place.x, place.y) < 24 * kPixel);
+        REQUIRE(place.x % kPixel == kPixel / 2);
+        REQUIRE(place.y % kPixel == kPixel / 2);
+      }
+  }
+}
+
 TEST_CASE("coordinates look like the swatch") {
   Workers workers(2);
   Monitor monitor(workers);

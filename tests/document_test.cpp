@@ -182,7 +182,7 @@ TEST_CASE("every point of a region takes a colour that its own swatch has") {
   const TestFolder folder;
   Document d = twoRegions(folder, 2500);
   for (const Method method : {Method::Hybrid, Method::Patches, Method::Match, Method::Grid,
-                              Method::Coordinates, Method::Tiling}) {
+                              Method::Mapping, Method::Coordinates, Method::Tiling}) {
     TextureOptions options;
     options.method = method;
     d = applied(d, SetRegion{.region = 1, .options = options});
@@ -220,7 +220,7 @@ TEST_CASE("regions of one point, or of fewer than the neighbours asked for, are 
   const Document open = sphereDocument(folder, 1500);
   for (const Index count : {1u, 2u, 8u, 9u, 12u, 26u})
     for (const Method method : {Method::Hybrid, Method::Patches, Method::Match, Method::Grid,
-                                Method::Coordinates, Method::Tiling}) {
+                                Method::Mapping, Method::Coordinates, Method::Tiling}) {
       Document d = open;
       std::vector<Index> few(count);
       for (Index i = 0; i < count; ++i) few[i] = 100 + i;

@@ -97,7 +97,8 @@ TEST_CASE("an option that is said to count by the method changes something") {
       {Method::Match, "symmetry"},     {Method::Grid, "grid"},
       {Method::Grid, "assign"},        {Method::Grid, "grid-seams"},
       {Method::Hybrid, "size-limit"},  {Method::Coordinates, "passes"},
-      {Method::Coordinates, "field"}};
+      {Method::Coordinates, "field"},  {Method::Mapping, "follow"},
+      {Method::Mapping, "field"}};
   for (const auto& [method, name] : kCounts) {
     CAPTURE(name);
     TextureOptions options;

@@ -11,8 +11,9 @@ using namespace dapple;
 
 namespace {
 
-constexpr Method kMethods[] = {Method::Hybrid, Method::Coordinates, Method::Patches, Method::Match,
-                               Method::Grid,   Method::Triplanar,   Method::Random};
+constexpr Method kMethods[] = {Method::Hybrid,    Method::Coordinates, Method::Patches,
+                               Method::Match,     Method::Grid,        Method::Mapping,
+                               Method::Triplanar, Method::Random};
 constexpr float kUnit = 0.25f;  // powers of two: scaling is exact
 
 struct Scene {
@@ -84,8 +85,8 @@ TEST_CASE("where the scale changes the pattern grows with it") {
   const Scene scene = plane();
   std::vector<float> scale;
   for (const vec3& position : scene.points.positions) scale.push_back(scaleAt(position));
-  for (const Method method :
-       {Method::Hybrid, Method::Coordinates, Method::Patches, Method::Match, Method::Grid}) {
+  for (const Method method : {Method::Hybrid, Method::Coordinates, Method::Patches, Method::Match,
+                              Method::Grid, Method::Mapping}) {
     CAPTURE(static_cast<int>(method));
     const std::vector<float> found =
         stretches(scene, scene.run({.method = method}, kUnit, scale), scale);

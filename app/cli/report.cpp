@@ -111,6 +111,10 @@ Json reportJson(const ReportInput& input) {
       {"matched_share", textured.statistics.matchedShare},
       {"distortion",
        {{"mean", textured.statistics.meanDistortion}, {"max", textured.statistics.maxDistortion}}},
+      {"mapping",
+       {{"forced_share", textured.statistics.forcedShare},
+        {"matched_border_error", textured.statistics.matchedBorderError},
+        {"border_error", textured.statistics.borderError}}},
       {"peak_memory", peakMemoryBytes()},
       {"score", input.score ? scoreJson(*input.score) : Json()}};
 }

@@ -42,11 +42,14 @@ constexpr bool isCoordinates(const T& o) {
 constexpr bool relaxesPlaces(const T& o) {
   return isCoordinates(o) || o.method == Method::Tiling;
 }
+constexpr bool isMapping(const T& o) {
+  return o.method == Method::Mapping;
+}
 constexpr bool hasSeams(const T& o) {
-  return growsPatches(o) || matchesOrGrid(o) || o.method == Method::Tiling;
+  return growsPatches(o) || matchesOrGrid(o) || isMapping(o) || o.method == Method::Tiling;
 }
 constexpr bool isDirected(const T& o) {
-  return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o);
+  return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o) || isMapping(o);
 }
 constexpr bool isSpread(const T& o) {
   return isDirected(o) && o.field != FieldMethod::Up && o.field != FieldMethod::Random;
@@ -55,13 +58,14 @@ constexpr bool isFolded(const T& o) {
   return isSpread(o) && o.field != FieldMethod::Spread;
 }
 constexpr bool mayFollow(const T& o) {
-  return growsPatches(o) && o.field != FieldMethod::Random;
+  return (growsPatches(o) || isMapping(o)) && o.field != FieldMethod::Random;
 }
 
 constexpr std::array kTable = {
     OptionRow{.name = "method",
               .field = &T::method,
-              .choices = "auto|hybrid|coordinates|tiling|patches|match|grid|triplanar|random",
+              .choices = "auto|hybrid|coordinates|tiling|patches|match|grid|mapping|triplanar|"
+                         "random",
               .help = "how points get their colour; auto chooses by the swatch, triplanar and "
                       "random are baselines"},
     OptionRow{.name = "neighbours",

@@ -182,19 +182,20 @@ vec2 randomTexel(const Swatch& swatch, std::uint64_t seed, std::uint64_t id, std
   return vec2(pixel % width, pixel / width) + 0.5f;
 }
 
-double swatchContrast(const Swatch& swatch) {
+double swatchContrast(const Swatch& swatch, int level) {
+  const std::vector<vec3>& colours = swatch.stack.at(static_cast<std::size_t>(level));
   dvec3 sum(0);
   double count = 0;
   for (std::size_t i = 0; i < swatch.pixels(); ++i) {
     if (!swatch.opaque[i]) continue;
-    sum += dvec3(swatch.colours()[i]);
+    sum += dvec3(colours[i]);
     ++count;
   }
   const dvec3 mean = sum / count;
   double squares = 0;
   for (std::size_t i = 0; i < swatch.pixels(); ++i) {
     if (!swatch.opaque[i]) continue;
-    const dvec3 d = dvec3(swatch.colours()[i]) - mean;
+    const dvec3 d = dvec3(colours[i]) - mean;
     squares += glm::dot(d, d);
   }
   return std::sqrt(squares / (3 * count));

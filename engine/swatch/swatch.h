@@ -54,7 +54,7 @@ vec2 randomTexel(const Swatch& swatch, std::uint64_t seed, std::uint64_t id,
                  std::uint64_t salt = 0);
 
 // Root mean square deviation from the mean colour over all numbers (opaque texels x 3 channels):
-// the swatch's contrast sigma.
-double swatchContrast(const Swatch& swatch);
+// the swatch's contrast sigma, on a level of its stack.
+double swatchContrast(const Swatch& swatch, int level = 0);
 
 }  // namespace dapple

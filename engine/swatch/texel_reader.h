@@ -92,6 +92,11 @@ class TexelReader {
   // inside(), any value above `bound` when it exceeds that.
   float differences(vec2 place, const WantedRange& wanted, float bound) const;
 
+  // The nearest place that can be read: the same when tileable.
+  vec2 nearest(vec2 place) const {
+    return tileable_ ? place : glm::clamp(place, vec2(0), vec2(lastX_, lastY_));
+  }
+
   // The same place in [0, w) x [0, h) when tileable.
   vec2 wrap(vec2 place) const;
 

@@ -51,12 +51,12 @@ std::vector<Place> extended(const GridSites& fine, const GridSites& coarse,
 
 // To centres of texels: sites are a pixel apart, so that pieces show texels, and no mixtures of
 // them.
-void snapToTexels(std::vector<Place>& places) {
+void snapToTexels(const PlaceDomain& domain, std::vector<Place>& places) {
   constexpr std::int32_t kHalf = 1 << (kPlaceBits - 1);
   const auto centre = [](std::int32_t at) {
     return (((at - kHalf) >> kPlaceBits) << kPlaceBits) + kHalf;
   };
-  for (Place& place : places) place = {centre(place.x), centre(place.y)};
+  for (Place& place : places) place = domain.wrapped({centre(place.x), centre(place.y)});
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ std::vector<Place> synthesizeGrid(const Swatch& swatch, const CoordinateGrid& gr
     } else {
       places = extended(fine, coarse, domain, places, monitor);
     }
-    if (level == 0) snapToTexels(places);
+    if (level == 0) snapToTexels(domain, places);
     const AppearanceLevel appearance = makeAppearance(swatch, level, false, monitor);
     PlaceRelaxation relaxation(fine.sites, appearance, domain, places, monitor);
     const int passes = passesOver(level, first, options.quality);

@@ -30,6 +30,7 @@
 #include "synthesis/grid_neighborhood.h"
 #include "synthesis/grid_seams.h"
 #include "synthesis/place_refinement.h"
+#include "synthesis/spacing_reads.h"
 #include "synthesis/surface_order.h"
 
 namespace dapple {
@@ -38,7 +39,6 @@ namespace {
 constexpr int kLeastSize = 3, kMostSize = 31, kMostNeighbours = 4096;
 constexpr int kPhases = 2;         // of the search; with 4 the score is the same
 constexpr std::size_t kBatch = 8;  // squares matched at the same time
-constexpr std::size_t kGrain = 1024;
 constexpr float kMergePixels = 0.3f;
 // Differences per term that the search's 7-bit colours do not tell from none.
 constexpr float kUnseen = 3 * (0.5f / 127) * (0.5f / 127);
@@ -70,7 +70,7 @@ class GridMatcher {
         options_(options),
         map_(map),
         monitor_(monitor),
-        level_(levelOf(input)),
+        level_(meanReadLevel(input)),
         search_(input.swatch, level_, kPhases),
         reader_(input.swatch, level_),
         apart_(2 * GridNeighborhood::reachOf(options.size, largestUnit(input))),
@@ -89,7 +89,6 @@ class GridMatcher {
     std::vector<vec2> tried;
   };
 
-  static int levelOf(const SynthesisInput& input);
   void nextBatch();
   Paste match(Index centre, Scratch& scratch) const;
   void addTerms(Scratch& scratch) const;
@@ -105,7 +104,6 @@ class GridMatcher {
   vec2 randomPlace(Index centre) const;
   void takePoints(const Scratch& scratch, Paste& paste) const;
   void apply(const Paste& paste);
-  void recolour();
 
   const SynthesisInput& input_;
   const GridOptions& options_;
@@ -123,13 +121,6 @@ class GridMatcher {
   Index coloured_ = 0;
   ScratchPool<Scratch> scratch_;
 };
-
-int GridMatcher::levelOf(const SynthesisInput& input) {
-  const double pixels =
-      meanSpacing(input.neighborhoods, input.points.positions) / meanUnit(input.unit, input.scale);
-  const int last = static_cast<int>(input.swatch.stack.size()) - 1;
-  return std::clamp(static_cast<int>(std::lround(std::log2(pixels))), 0, last);
-}
 
 // The next open points, as many as are out of each other's reach.
 void GridMatcher::nextBatch() {
@@ -316,18 +307,8 @@ GridStatistics GridMatcher::run() {
   statistics.meanError = std::sqrt(squares / static_cast<double>(centres_.size()));
   if (cutsSeams(options_))
     statistics.seams = cutSquares(input_, centres_, options_.size, map_, monitor_);
-  recolour();
+  readBySpacing(input_, map_, monitor_);
   return statistics;
-}
-
-// Points wider apart than pixels show the mean of the pixels between them.
-void GridMatcher::recolour() {
-  const std::vector<float> spacing = localSpacing(input_.neighborhoods, input_.points.positions);
-  parallelFor(monitor_, spacing.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      map_.colour[i] =
-          sampleSwatch(input_.swatch, map_.texel[i], filterLevel(spacing[i], input_.unitAt(i)));
-  });
 }
 
 void validate(const SynthesisInput& input, const GridOptions& options, const SourceMap& map) {

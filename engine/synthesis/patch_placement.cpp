@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "swatch/swatch_search.h"
+#include "synthesis/placement_box.h"
 
 namespace dapple {
 namespace {
@@ -15,15 +16,10 @@ namespace {
 constexpr std::size_t kCheckpointEvery = 4096;
 constexpr int kPhases = 4;           // offsets are rounded to 1 / kPhases pixel by the search
 constexpr std::size_t kTerms = 150;  // of a search
-constexpr float kMargin = 3;         // pixels from the swatch's border, where there is room
 
 // A point where a patch overlaps another one.
 struct Meeting {
   Index own, other;  // candidates
-};
-
-struct Box {
-  vec2 low{0}, high{0};  // q = 0, the patch's seed, is inside
 };
 
 class Placer {
@@ -113,7 +109,7 @@ class Placer {
     if (wanted.empty()) return;
     const SearchResult found = search_.search(wanted);
     if (!found.found) return;
-    const vec2 placement = insideSwatch(patch, found.texel);
+    const vec2 placement = clampedPlacement(input_.swatch, boxes_[patch], found.texel);
     if (!usable(patch, placement)) return;
     map_.placement[patch] = placement;
     moved_[patch] = 1;
@@ -133,41 +129,9 @@ class Placer {
       if (!usableTexel(input_.swatch, wrapTexel(input_.swatch, texel))) continue;
       out.push_back({overlap_.site[m.own].q, sampleSwatch(input_.swatch, texel)});
     }
-    if (!input_.swatch.tileable && !out.empty()) keepInside(patch, out);
+    if (!input_.swatch.tileable && !out.empty())
+      keepInside(input_.swatch, boxes_[patch], kTerms, out);
     return out;
-  }
-
-  // The search keeps every term inside the swatch, so that corners of the patch's box keep the
-  // patch inside. Their colour means nothing; a few terms more of the others drown it.
-  void keepInside(Index patch, std::vector<SearchTerm>& terms) const {
-    const Box box = roomy(patch);
-    std::erase_if(terms, [&](const SearchTerm& term) {
-      return glm::clamp(term.offset, box.low, box.high) != term.offset;
-    });
-    const std::size_t count = terms.size();
-    if (count == 0) return;
-    while (terms.size() < kTerms) terms.push_back(terms[terms.size() % count]);
-    vec3 mean(0);
-    for (const SearchTerm& term : terms) mean += term.colour;
-    mean = mean / static_cast<float>(terms.size());
-    for (const vec2 corner : {box.low, box.high}) terms.push_back({corner, mean});
-  }
-
-  // The patch's box and, where the swatch has room, a margin that is needed beyond the patch.
-  Box roomy(Index patch) const {
-    const Box& box = boxes_[patch];
-    const vec2 slack = vec2(input_.swatch.width, input_.swatch.height) - 2.f - (box.high - box.low);
-    const vec2 margin = glm::clamp(slack * 0.5f, vec2(0), vec2(kMargin));
-    return {box.low - margin, box.high + margin};
-  }
-
-  // Rounding in the search may leave a corner outside by a fraction of a pixel.
-  vec2 insideSwatch(Index patch, vec2 placement) const {
-    if (input_.swatch.tileable) return placement;
-    const Box& box = boxes_[patch];
-    const vec2 least = 0.5f - box.low;
-    const vec2 most = vec2(input_.swatch.width, input_.swatch.height) - 0.5f - box.high;
-    return glm::max(least, glm::min(most, placement));
   }
 
   bool usable(Index patch, vec2 placement) const {
@@ -194,7 +158,7 @@ class Placer {
   Monitor& monitor_;
   const SwatchSearch search_;
   std::vector<std::vector<Meeting>> meetings_;  // by patch, points ascending
-  std::vector<Box> boxes_;                      // of a patch's own points
+  std::vector<PlacementBox> boxes_;             // of a patch's own points, its seed at 0
   std::vector<std::vector<Index>> members_;     // by patch, kept for a swatch with holes only
   std::vector<std::uint8_t> placed_, moved_;
 };

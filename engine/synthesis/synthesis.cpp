@@ -10,6 +10,7 @@
 #include "synthesis/hybrid_synthesis.h"
 #include "synthesis/neighborhood_matching.h"
 #include "synthesis/patch_parameterization.h"
+#include "synthesis/pattern_mapping.h"
 #include "synthesis/seam_repair.h"
 #include "synthesis/surface_sites.h"
 #include "synthesis/tiling_synthesis.h"
@@ -43,6 +44,7 @@ bool repairs(const TextureOptions& options) {
     case Method::Patches:
     case Method::Grid:
     case Method::Match:
+    case Method::Mapping:
     case Method::Tiling:
       return options.repair > 0;
     default:
@@ -53,12 +55,13 @@ bool repairs(const TextureOptions& options) {
 // Lays points out where smoothing takes them to lie; the others do so where they are.
 bool charts(const TextureOptions& options) {
   return options.method == Method::Hybrid || options.method == Method::Patches ||
-         options.method == Method::Grid;
+         options.method == Method::Grid || options.method == Method::Mapping;
 }
 
 RepairOptions repairOptions(const TextureOptions& options) {
-  const bool growsPatches = options.method == Method::Hybrid || options.method == Method::Patches;
-  return {.width = static_cast<float>(options.repair), .filtered = !growsPatches};
+  const bool lays = options.method == Method::Hybrid || options.method == Method::Patches ||
+                    options.method == Method::Mapping;
+  return {.width = static_cast<float>(options.repair), .filtered = !lays};
 }
 
 std::size_t passesOf(const TextureOptions& options) {
@@ -80,11 +83,19 @@ void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistic
   statistics.maxDistortion = patches.maxDistortion;
 }
 
+void note(const MappingStatistics& mapping, std::size_t points, SynthesisStatistics& statistics) {
+  statistics.patches = mapping.clusters;
+  statistics.forcedShare = static_cast<double>(mapping.forcedPoints) / static_cast<double>(points);
+  statistics.matchedBorderError = mapping.matchedError;
+  statistics.borderError = mapping.borderError;
+}
+
 }  // namespace
 
 bool keepsPoints(const TextureOptions& options) {
   return options.method == Method::Hybrid || options.method == Method::Coordinates ||
-         options.method == Method::Patches || options.method == Method::Match;
+         options.method == Method::Patches || options.method == Method::Match ||
+         options.method == Method::Mapping;
 }
 
 float shownLevel(Method method, float spacing, float unit) {
@@ -145,6 +156,9 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       break;
     case Method::Tiling:
       synthesizeTiling(input, {.seed = options.seed}, map, monitor);
+      break;
+    case Method::Mapping:
+      note(mapPattern(input, {.seed = options.seed}, map, monitor), n, result.statistics);
       break;
     case Method::Triplanar:
       projectTriplanar(input, map, monitor);

@@ -13,6 +13,11 @@ struct SynthesisStatistics {
   double gapShare = 0;                           // of all points: not flattened by growth
   double matchedShare = 0;                       // of all points: coloured by matching
   double meanDistortion = 0, maxDistortion = 0;  // D over patch points
+  // Mapping: of all points, in clusters that were not to be cut further, whether they fit or not;
+  // and colour differences along the clusters' borders, root mean square over the swatch's
+  // contrast.
+  double forcedShare = 0;
+  double matchedBorderError = 0, borderError = 0;  // before and after relaxation
 };
 
 struct SynthesisResult {

@@ -10,7 +10,18 @@
 namespace dapple {
 
 // Auto: chosen by the swatch, before a synthesis begins (document/automatic_options.h).
-enum class Method { Auto, Hybrid, Coordinates, Tiling, Patches, Match, Grid, Triplanar, Random };
+enum class Method {
+  Auto,
+  Hybrid,
+  Coordinates,
+  Tiling,
+  Patches,
+  Match,
+  Grid,
+  Mapping,
+  Triplanar,
+  Random
+};
 enum class GapFill {
   Cut,    // patches are aligned, overlap, and are cut where they differ least
   Match,  // as printed: gap points are matched with the swatch
