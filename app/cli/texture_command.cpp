@@ -16,6 +16,7 @@
 #include "document/strokes_file.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
+#include "swatch/material_files.h"
 
 namespace dapple {
 namespace {
@@ -32,15 +33,21 @@ struct TextureArguments {
 
 void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("scan", a.scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
-  app.add_option("--swatch", a.swatch, "sample image, 2 to 16384 pixels a side")->required();
+  app.add_option(
+         "--swatch", a.swatch,
+         "sample image, 2 to 16384 pixels a side, or the folder of one material, whose maps "
+         "are then written by point as by --channel auto")
+      ->required();
   addStrokesOption(app, a.strokes);
   app.add_option("-o,--output", a.output, "textured scan to write: .ply, .obj or .xyz")->required();
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
-  app.add_option("--channel", a.channels,
-                 "KIND=IMAGE: a further image of the swatch, of the same size, to be written by "
-                 "point; roughness, height, metallic, ao, normal (OpenGL's) or normal-dx "
-                 "(DirectX's); can be repeated. auto: those beside the swatch by the usual names")
+  app.add_option(
+         "--channel", a.channels,
+         "KIND=IMAGE: a further image of the swatch, of the same size, to be written by "
+         "point; roughness, height, metallic, ao, normal (OpenGL's) or normal-dx "
+         "(DirectX's); can be repeated. auto: those beside the swatch by the usual names; none: "
+         "not even those of a folder")
       ->allow_extra_args(false);
   app.add_flag("--ascii", a.ascii, "write the PLY as text");
   app.add_flag("--source-map", a.exported.sourceMap,
@@ -118,17 +125,18 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
 }
 
 SwatchReference referenceOf(const TextureArguments& a) {
-  SwatchReference reference{.path = a.swatch};
+  SwatchReference reference{.path = swatchFile(a.swatch).string()};
   ChannelPaths named, beside;
+  if (reference.path != a.swatch) beside = findChannels(reference.path);
   for (const std::string& text : a.channels) {
-    if (text == "auto") {
-      beside = findChannels(a.swatch);
+    if (text == "auto" || text == "none") {
+      beside = text == "auto" ? findChannels(reference.path) : ChannelPaths{};
       continue;
     }
     const std::size_t equals = text.find('=');
     if (equals == text.npos || equals + 1 == text.size())
       throw InvalidInput(
-          fmt::format("--channel: '{}' is not allowed; give KIND=IMAGE, or auto", text));
+          fmt::format("--channel: '{}' is not allowed; give KIND=IMAGE, auto or none", text));
     std::string kind = text.substr(0, equals);
     named.greenDown |= kind == "normal-dx";
     if (kind == "normal-dx") kind = "normal";
@@ -164,10 +172,11 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const PictureOptions picture = pictureOptions(a);
   checkOutputs(a);
   ResultSource source{.reference = referenceOf(a)};
-  const Image image = readImage(a.swatch);
+  const std::string& file = source.reference.path;
+  const Image image = readImage(file);
   source.maps = readMaps(source.reference, image, [](const auto& path) { return readImage(path); });
-  const auto made = std::make_shared<const Swatch>(
-      makeSwatch(image, given.tileable, stackLevels(given), a.swatch));
+  const auto made =
+      std::make_shared<const Swatch>(makeSwatch(image, given.tileable, stackLevels(given), file));
   source.swatch = made;
   const Swatch& swatch = *made;
   const PreparedScan prepared = prepareScan(a.scan, a.load, given.neighbours, {}, monitor);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,11 +32,6 @@ struct ChannelPaths {
   bool empty() const;
   bool operator==(const ChannelPaths&) const = default;
 };
-
-// The files beside a swatch that are called as it is but for the usual endings: wood.png or
-// wood_diff.png, wood_nor_gl.exr, wood_rough.png. Never throws: a folder that cannot be read holds
-// none.
-ChannelPaths findChannels(const std::filesystem::path& swatch);
 
 // w x h values each, or none.
 struct MaterialMaps {
