@@ -11,6 +11,7 @@
 #include "base/errors.h"
 #include "document/automatic_options.h"
 #include "document/channels.h"
+#include "document/corner_texture.h"
 #include "document/export_format.h"
 #include "document/options_table.h"
 #include "document/strokes_file.h"
@@ -28,7 +29,7 @@ struct TextureArguments {
   LoadOptions load;
   ExportOptions exported;
   std::vector<std::string> channels;
-  bool ascii = false, zUp = false, score = false;
+  bool ascii = false, zUp = false, score = false, corners = true;
 };
 
 void addFileOptions(CLI::App& app, TextureArguments& a) {
@@ -39,7 +40,11 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
          "are then written by point as by --channel auto")
       ->required();
   addStrokesOption(app, a.strokes);
-  app.add_option("-o,--output", a.output, "textured scan to write: .ply, .obj or .xyz")->required();
+  app.add_option(
+         "-o,--output", a.output,
+         "textured scan to write: .ply with all columns; .obj with colours and, of a mesh, texture "
+         "coordinates; .xyz with colours")
+      ->required();
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
   app.add_option(
@@ -52,6 +57,9 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_flag("--ascii", a.ascii, "write the PLY as text");
   app.add_flag("--source-map", a.exported.sourceMap,
                "also write swatch, texel, frame, patch, state, error and order of every point");
+  app.add_flag("!--no-texture-coordinates", a.corners,
+               "leave out where in the swatch the corners of a mesh's faces lie (PLY: texcoord; "
+               "OBJ: vt, with the swatch in a .mtl file beside it)");
   app.add_flag("--keep-colours", a.exported.keepColours,
                "keep the scan's own colours as original_red, original_green, original_blue");
   app.add_option("--report", a.report, "write figures and score as JSON");
@@ -149,12 +157,18 @@ SwatchReference referenceOf(const TextureArguments& a) {
   return reference;
 }
 
-RecordTable tableOf(const PreparedScan& prepared, const SourceMap& map, const ResultSource& source,
-                    const ExportOptions& options, Monitor& monitor) {
-  RecordTable table = texturedTable(prepared.scan, map, options);
+RecordTable tableOf(const TextureArguments& a, const PreparedScan& prepared, const SourceMap& map,
+                    const ResultSource& source, Monitor& monitor) {
+  RecordTable table = texturedTable(prepared.scan, map, a.exported);
   if (source.maps)
     addChannels(table, prepared.scan,
                 channelsOf(map, source, prepared.scan.points.normals, monitor));
+  if (!a.corners || exportFormat(a.output) == ScanFormat::Xyz) return table;
+  ResultSource mapped = source;
+  mapped.unit = map.unit;
+  const Results results = resultsOf(map, mapped);
+  const CornerTexture corners = cornersOf(results, prepared.scan, monitor);
+  addCorners(table, corners, textureFiles(corners, results, a.output));
   return table;
 }
 
@@ -204,8 +218,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                      .scale = textured.map.scale},
                     monitor);
   const auto saving = std::chrono::steady_clock::now();
-  exportTable(a.output, tableOf(prepared, textured.map, source, a.exported, monitor), a.ascii,
-              monitor);
+  exportTable(a.output, tableOf(a, prepared, textured.map, source, monitor), a.ascii, monitor);
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);
