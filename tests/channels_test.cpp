@@ -76,6 +76,7 @@ Document textured(const TestFolder& folder, const SwatchReference& swatch,
   TextureOptions options;
   options.method = method;
   options.tileable = Tileable::No;  // so that a ramp has no jump inside of a texel
+  options.heightWeight = 0;
   d = with(d, SetRegion{.region = 0, .options = options});
   d = with(d, SetSwatch{.region = 0, .reference = swatch});
   return with(d, Synthesize{});

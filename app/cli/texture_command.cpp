@@ -204,7 +204,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                             .strokes = !strokes.empty(),
                             .kept = common.given});
   const TextureOptions& options = automatic.options;
-  const TexturedPoints textured = texturePoints(prepared, swatch, strokes, options, monitor);
+  const TexturedPoints textured = texturePoints(
+      prepared, *comparedSwatch(made, source.maps.get(), options), strokes, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
     score =

@@ -42,6 +42,9 @@ constexpr bool isCoordinates(const T& o) {
 constexpr bool relaxesPlaces(const T& o) {
   return isCoordinates(o) || o.method == Method::Tiling;
 }
+constexpr bool comparesPlaces(const T& o) {
+  return isHybrid(o) || matchesOrGrid(o) || relaxesPlaces(o);
+}
 constexpr bool isDirected(const T& o) {
   return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o);
 }
@@ -123,6 +126,13 @@ constexpr std::array kTable = {
         .high = 32,
         .help = "coordinates: visits of every point on the finest level; coarser ones get more",
         .counts = isCoordinates},
+    OptionRow{.name = "height-weight",
+              .field = &T::heightWeight,
+              .low = 0,
+              .high = 10,
+              .help = "how much a swatch's height map counts where its places are compared, 1 for "
+                      "as much as the colours",
+              .counts = comparesPlaces},
     OptionRow{.name = "tileable",
               .field = &T::tileable,
               .choices = "auto|yes|no",

@@ -1,5 +1,5 @@
-// Further images of a swatch: what the same place of the material is like beyond its colour. No
-// synthesis looks at them; they follow its source map.
+// Further images of a swatch: what the same place of the material is like beyond its colour. They
+// follow the source map of a synthesis, which at most looks at the heights (swatch_relief.h).
 #pragma once
 
 #include <array>

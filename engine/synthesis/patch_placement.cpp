@@ -131,7 +131,8 @@ class Placer {
       const ChartSite& other = overlap_.site[m.other];
       const vec2 texel = other.q + map_.placement[other.patch];
       if (!usableTexel(input_.swatch, wrapTexel(input_.swatch, texel))) continue;
-      out.push_back({overlap_.site[m.own].q, sampleSwatch(input_.swatch, texel)});
+      out.push_back({overlap_.site[m.own].q, sampleSwatch(input_.swatch, texel), 0,
+                     sampleRelief(input_.swatch, texel)});
     }
     if (!input_.swatch.tileable && !out.empty()) keepInside(patch, out);
     return out;
@@ -147,10 +148,10 @@ class Placer {
     const std::size_t count = terms.size();
     if (count == 0) return;
     while (terms.size() < kTerms) terms.push_back(terms[terms.size() % count]);
-    vec3 mean(0);
-    for (const SearchTerm& term : terms) mean += term.colour;
+    glm::vec4 mean(0);
+    for (const SearchTerm& term : terms) mean += glm::vec4(term.colour, term.relief);
     mean = mean / static_cast<float>(terms.size());
-    for (const vec2 corner : {box.low, box.high}) terms.push_back({corner, mean});
+    for (const vec2 corner : {box.low, box.high}) terms.push_back({corner, vec3(mean), 0, mean.w});
   }
 
   // The patch's box and, where the swatch has room, a margin that is needed beyond the patch.

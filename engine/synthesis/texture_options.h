@@ -34,6 +34,7 @@ struct TextureOptions {
   bool gridSeams = true;
   int gridNeighbours = 0;
   int passes = 1;
+  double heightWeight = 0.5;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
   FieldMethod field = FieldMethod::Smooth;
