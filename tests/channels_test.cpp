@@ -76,6 +76,7 @@ Document textured(const TestFolder& folder, const SwatchReference& swatch,
   TextureOptions options;
   options.method = method;
   options.tileable = Tileable::No;  // so that a ramp has no jump inside of a texel
+  options.heightWeight = 0;
   d = with(d, SetRegion{.region = 0, .options = options});
   d = with(d, SetSwatch{.region = 0, .reference = swatch});
   return with(d, Synthesize{});
@@ -206,26 +207,6 @@ TEST_CASE("maps of another size are refused by the names of both, unless they we
       d, SetSwatch{.region = 0, .reference = {.path = folder / "noise.png"}, .findChannels = false},
       small);
   CHECK(!findRegion(d, 0)->maps);
-}
-
-TEST_CASE("channels are found beside a swatch by the usual endings") {
-  const TestFolder folder;
-  for (const char* name :
-       {"Wood_Diff.png", "wood_nor_dx.png", "wood_nor_gl.exr", "wood_Roughness.jpg",
-        "wood_metal.png", "woods_ao.png", "wood_displacement.tif", "wood.txt"})
-    std::ofstream(folder / name) << "x";
-  const ChannelPaths found = findChannels(folder / "Wood_Diff.png");
-  CHECK(found[Channel::Normal] == folder / "wood_nor_gl.exr");
-  CHECK(!found.greenDown);
-  CHECK(found[Channel::Roughness] == folder / "wood_Roughness.jpg");
-  CHECK(found[Channel::Metallic] == folder / "wood_metal.png");
-  CHECK(found[Channel::Height] == folder / "wood_displacement.tif");
-  CHECK(found[Channel::Occlusion].empty());
-  std::filesystem::remove(folder / "wood_nor_gl.exr");
-  CHECK(findChannels(folder / "Wood_Diff.png").greenDown);
-  CHECK(findChannels(folder / "no/such/folder.png").empty());
-  CHECK(channelNamed("ao") == Channel::Occlusion);
-  CHECK_THROWS_AS(channelNamed("shine"), InvalidInput);
 }
 
 TEST_CASE("channels are cropped as the swatch is, and those of a result follow the region's") {

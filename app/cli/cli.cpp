@@ -13,6 +13,8 @@
 
 #include "app/cli/progress_printer.h"
 #include "base/errors.h"
+#include "io/image_io.h"
+#include "swatch/material_files.h"
 
 namespace dapple {
 namespace {
@@ -119,6 +121,11 @@ void addStrokesOption(CLI::App& app, std::string& path) {
   app.add_option("--strokes", path,
                  "lines over the surface along which the swatch's top points: JSON, or a Dapple "
                  "project of the same scan");
+}
+
+Swatch readSwatch(const std::string& path, Tileable tileable, int levels) {
+  const std::string file = swatchFile(path).string();
+  return makeSwatch(readImage(file), tileable, levels, file);
 }
 
 void addCommonOptions(CLI::App& app, CommonOptions& common) {

@@ -48,6 +48,9 @@ void addDrawingOptions(CLI::App& app, DrawingArguments& arguments);
 // --strokes FILE.
 void addStrokesOption(CLI::App& app, std::string& path);
 
+// The swatch of an image, or of the folder of one material. Throws InvalidInput, IoError.
+Swatch readSwatch(const std::string& path, Tileable tileable, int levels);
+
 // --threads, --quiet and --progress.
 void addCommonOptions(CLI::App& app, CommonOptions& common);
 

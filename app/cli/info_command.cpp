@@ -58,7 +58,7 @@ nlohmann::ordered_json describe(const PreparedScan& prepared) {
 
 // What `--method auto` goes by.
 nlohmann::ordered_json describeSwatch(const std::string& path, Monitor& monitor) {
-  const Swatch swatch = makeSwatch(readImage(path), Tileable::Auto, 1, path);
+  const Swatch swatch = readSwatch(path, Tileable::Auto, 1);
   nlohmann::ordered_json info{{"file", path}, {"width", swatch.width}, {"height", swatch.height}};
   info.update(analysisJson(analyse(swatch, monitor)));
   return info;
@@ -66,8 +66,9 @@ nlohmann::ordered_json describeSwatch(const std::string& path, Monitor& monitor)
 
 void runInfo(const InfoArguments& a, Monitor& monitor) {
   const nlohmann::ordered_json info =
-      isImageFile(a.scan) ? describeSwatch(a.scan, monitor)
-                          : describe(prepareScan(a.scan, {}, kNeighbours, {}, monitor));
+      isImageFile(a.scan) || std::filesystem::is_directory(a.scan)
+          ? describeSwatch(a.scan, monitor)
+          : describe(prepareScan(a.scan, {}, kNeighbours, {}, monitor));
   if (a.json) {
     fmt::print("{}\n", info.dump(2));
     return;

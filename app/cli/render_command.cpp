@@ -90,8 +90,7 @@ void runRender(RenderArguments& a, const TextureOptions& table, Monitor& monitor
   const SourceMap map = readSourceMap(prepared.scan).value_or(SourceMap{});
   const std::vector<Index> regions = readRegions(prepared.scan).value_or(std::vector<Index>{});
   std::optional<Swatch> swatch;
-  if (!a.swatch.empty())
-    swatch = makeSwatch(readImage(a.swatch), table.tileable, stackLevels(table), a.swatch);
+  if (!a.swatch.empty()) swatch = readSwatch(a.swatch, table.tileable, stackLevels(table));
   const PointChannels channels = readChannels(prepared.scan);
   const auto scalar = [&](Channel channel) -> std::span<const float> {
     return channels.scalar[static_cast<std::size_t>(channel)];

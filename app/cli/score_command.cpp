@@ -37,7 +37,7 @@ void printScore(const TextureScore& score) {
 }
 
 void runScore(const ScoreArguments& a, const TextureOptions& options, Monitor& monitor) {
-  const Swatch swatch = makeSwatch(readImage(a.swatch), options.tileable, 1, a.swatch);
+  const Swatch swatch = readSwatch(a.swatch, options.tileable, 1);
   const PreparedScan prepared = prepareScan(a.scan, {}, kNeighbours, {}, monitor);
   const PointSet& points = prepared.scan.points;
   if (points.colours.empty())

@@ -35,7 +35,7 @@ void runImage(const ImageArguments& a, const CommonOptions& common, Monitor& mon
   checkImageName(a.output);
   PictureOptions size;
   if (!a.size.empty()) parseSize(a.size, size);
-  const Swatch swatch = makeSwatch(readImage(a.swatch), common.table.tileable, 1, a.swatch);
+  const Swatch swatch = readSwatch(a.swatch, common.table.tileable, 1);
   const CoordinateGrid grid{.width = a.size.empty() ? swatch.width : size.width,
                             .height = a.size.empty() ? swatch.height : size.height,
                             .torus = a.torus};

@@ -11,11 +11,13 @@
 #include "base/errors.h"
 #include "document/automatic_options.h"
 #include "document/channels.h"
+#include "document/corner_texture.h"
 #include "document/export_format.h"
 #include "document/options_table.h"
 #include "document/strokes_file.h"
 #include "document/textured_scan.h"
 #include "io/image_io.h"
+#include "swatch/material_files.h"
 
 namespace dapple {
 namespace {
@@ -27,24 +29,37 @@ struct TextureArguments {
   LoadOptions load;
   ExportOptions exported;
   std::vector<std::string> channels;
-  bool ascii = false, zUp = false, score = false;
+  bool ascii = false, zUp = false, score = false, corners = true;
 };
 
 void addFileOptions(CLI::App& app, TextureArguments& a) {
   app.add_option("scan", a.scan, "point cloud or mesh: PLY, OBJ, XYZ")->required();
-  app.add_option("--swatch", a.swatch, "sample image, 2 to 16384 pixels a side")->required();
+  app.add_option(
+         "--swatch", a.swatch,
+         "sample image, 2 to 16384 pixels a side, or the folder of one material, whose maps "
+         "are then written by point as by --channel auto")
+      ->required();
   addStrokesOption(app, a.strokes);
-  app.add_option("-o,--output", a.output, "textured scan to write: .ply, .obj or .xyz")->required();
+  app.add_option(
+         "-o,--output", a.output,
+         "textured scan to write: .ply with all columns; .obj with colours and, of a mesh, texture "
+         "coordinates; .xyz with colours")
+      ->required();
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
-  app.add_option("--channel", a.channels,
-                 "KIND=IMAGE: a further image of the swatch, of the same size, to be written by "
-                 "point; roughness, height, metallic, ao, normal (OpenGL's) or normal-dx "
-                 "(DirectX's); can be repeated. auto: those beside the swatch by the usual names")
+  app.add_option(
+         "--channel", a.channels,
+         "KIND=IMAGE: a further image of the swatch, of the same size, to be written by "
+         "point; roughness, height, metallic, ao, normal (OpenGL's) or normal-dx "
+         "(DirectX's); can be repeated. auto: those beside the swatch by the usual names; none: "
+         "not even those of a folder")
       ->allow_extra_args(false);
   app.add_flag("--ascii", a.ascii, "write the PLY as text");
   app.add_flag("--source-map", a.exported.sourceMap,
                "also write swatch, texel, frame, patch, state, error and order of every point");
+  app.add_flag("--texture-coordinates,!--no-texture-coordinates", a.corners,
+               "where in the swatch the corners of a mesh's faces lie (PLY: texcoord; "
+               "OBJ: vt, with the swatch in a .mtl file beside it) [on]");
   app.add_flag("--keep-colours", a.exported.keepColours,
                "keep the scan's own colours as original_red, original_green, original_blue");
   app.add_option("--report", a.report, "write figures and score as JSON");
@@ -118,17 +133,18 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
 }
 
 SwatchReference referenceOf(const TextureArguments& a) {
-  SwatchReference reference{.path = a.swatch};
+  SwatchReference reference{.path = swatchFile(a.swatch).string()};
   ChannelPaths named, beside;
+  if (reference.path != a.swatch) beside = findChannels(reference.path);
   for (const std::string& text : a.channels) {
-    if (text == "auto") {
-      beside = findChannels(a.swatch);
+    if (text == "auto" || text == "none") {
+      beside = text == "auto" ? findChannels(reference.path) : ChannelPaths{};
       continue;
     }
     const std::size_t equals = text.find('=');
     if (equals == text.npos || equals + 1 == text.size())
       throw InvalidInput(
-          fmt::format("--channel: '{}' is not allowed; give KIND=IMAGE, or auto", text));
+          fmt::format("--channel: '{}' is not allowed; give KIND=IMAGE, auto or none", text));
     std::string kind = text.substr(0, equals);
     named.greenDown |= kind == "normal-dx";
     if (kind == "normal-dx") kind = "normal";
@@ -141,12 +157,18 @@ SwatchReference referenceOf(const TextureArguments& a) {
   return reference;
 }
 
-RecordTable tableOf(const PreparedScan& prepared, const SourceMap& map, const ResultSource& source,
-                    const ExportOptions& options, Monitor& monitor) {
-  RecordTable table = texturedTable(prepared.scan, map, options);
+RecordTable tableOf(const TextureArguments& a, const PreparedScan& prepared, const SourceMap& map,
+                    const ResultSource& source, Monitor& monitor) {
+  RecordTable table = texturedTable(prepared.scan, map, a.exported);
   if (source.maps)
     addChannels(table, prepared.scan,
                 channelsOf(map, source, prepared.scan.points.normals, monitor));
+  if (!a.corners || exportFormat(a.output) == ScanFormat::Xyz) return table;
+  ResultSource mapped = source;
+  mapped.unit = map.unit;
+  const Results results = resultsOf(map, mapped);
+  const CornerTexture corners = cornersOf(results, prepared.scan, monitor);
+  addCorners(table, corners, textureFiles(corners, results, a.output));
   return table;
 }
 
@@ -164,10 +186,11 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const PictureOptions picture = pictureOptions(a);
   checkOutputs(a);
   ResultSource source{.reference = referenceOf(a)};
-  const Image image = readImage(a.swatch);
+  const std::string& file = source.reference.path;
+  const Image image = readImage(file);
   source.maps = readMaps(source.reference, image, [](const auto& path) { return readImage(path); });
-  const auto made = std::make_shared<const Swatch>(
-      makeSwatch(image, given.tileable, stackLevels(given), a.swatch));
+  const auto made =
+      std::make_shared<const Swatch>(makeSwatch(image, given.tileable, stackLevels(given), file));
   source.swatch = made;
   const Swatch& swatch = *made;
   const PreparedScan prepared = prepareScan(a.scan, a.load, given.neighbours, {}, monitor);
@@ -181,7 +204,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                             .strokes = !strokes.empty(),
                             .kept = common.given});
   const TextureOptions& options = automatic.options;
-  const TexturedPoints textured = texturePoints(prepared, swatch, strokes, options, monitor);
+  const TexturedPoints textured = texturePoints(
+      prepared, *comparedSwatch(made, source.maps.get(), options), strokes, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
     score =
@@ -195,8 +219,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                      .scale = textured.map.scale},
                     monitor);
   const auto saving = std::chrono::steady_clock::now();
-  exportTable(a.output, tableOf(prepared, textured.map, source, a.exported, monitor), a.ascii,
-              monitor);
+  exportTable(a.output, tableOf(a, prepared, textured.map, source, monitor), a.ascii, monitor);
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);

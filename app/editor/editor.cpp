@@ -1,5 +1,7 @@
 #include "app/editor/editor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +14,7 @@
 #include "app/gui/theme.h"
 #include "io/file_names.h"
 #include "io/image_io.h"
+#include "swatch/material_files.h"
 
 namespace dapple {
 namespace {
@@ -96,12 +99,21 @@ bool Editor::hasSelection() const {
 
 void Editor::open(const std::filesystem::path& path) {
   if (isImageFile(path)) return openImage(path);
+  if (std::filesystem::is_directory(path)) return openFolder(path);
   memory_->guarded([this, path] { openDocument(path); });
 }
 
 void Editor::openImage(const std::filesystem::path& path) {
   library_.add(path);
   engine_.submit(SetSwatch{chosen_, {path.string(), {}}});
+}
+
+void Editor::openFolder(const std::filesystem::path& path) {
+  const std::vector<std::filesystem::path> colours = colourImagesIn(path);
+  if (colours.size() == 1) return openImage(colours.front());
+  if (swatchesIn(path).empty())
+    return notices_.warn(fmt::format("{} holds no image.", path.string()));
+  library_.addFolder(path);
 }
 
 void Editor::openDocument(const std::filesystem::path& path) {

@@ -88,6 +88,7 @@ class Editor {
   void toolInput(const Layout& layout, bool hovered);
 
   void openImage(const std::filesystem::path& path);
+  void openFolder(const std::filesystem::path& path);    // of one material, or of swatches
   void openDocument(const std::filesystem::path& path);  // at once, as the next
   void openSampleNow(), openSample();
   void cancel();  // the gesture, else the job

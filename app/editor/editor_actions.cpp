@@ -88,7 +88,7 @@ void Editor::answered(const std::filesystem::path& path) {
     command.path = path.string();
     engine_.submit(command);
   } else if (asking_ == Asking::Swatches) {
-    library_.addFolder(path);
+    openFolder(path);
   } else if (asking_ == Asking::Map) {
     SetSwatch set{.region = chosen().id, .reference = chosen().reference};
     set.reference.channels[askedMap_] = path.string();
@@ -283,6 +283,8 @@ void Editor::addSynthesisActions() {
   actions_.add({.id = "library.folder",
                 .label = "Add a folder of swatches...",
                 .menu = "Region",
+                .help = "A folder of one material, its colour image and maps, becomes the "
+                        "region's swatch.",
                 .icon = Icon::folder,
                 .run = [this] { ask(Asking::Swatches); }});
   actions_.add({.id = "synthesize.region",

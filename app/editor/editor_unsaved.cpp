@@ -71,9 +71,11 @@ void Editor::Memory::guarded(std::function<void()> then) {
 
 void Editor::Memory::openAll(const std::vector<fs::path>& paths, std::optional<RegionId> under) {
   std::vector<fs::path> documents, images;
-  for (const fs::path& path : paths) (isImageFile(path) ? images : documents).push_back(path);
+  for (const fs::path& path : paths)
+    (isImageFile(path) || fs::is_directory(path) ? images : documents).push_back(path);
   const auto swatches = [this, images] {
-    for (const fs::path& path : images) editor.openImage(path);
+    for (const fs::path& path : images)
+      fs::is_directory(path) ? editor.openFolder(path) : editor.openImage(path);
   };
   if (documents.empty()) {
     if (under) editor.choose(*under);  // an image is for what it is dropped on

@@ -23,9 +23,11 @@ struct FormatRow {
 };
 constexpr FormatRow kFormats[] = {
     {ScanFormat::Ply, "PLY", "export.format.ply",
-     "All that was in the scan's file, the colours, and where each comes from."},
+     "All that was in the scan's file, colours, material channels, texture coordinates of a mesh, "
+     "and where each colour comes from."},
     {ScanFormat::Obj, "OBJ", "export.format.obj",
-     "Positions, normals, colours and faces, as text."},
+     "Positions, normals, colours, faces and their texture coordinates, as text; the swatch in a "
+     ".mtl file beside it."},
     {ScanFormat::Xyz, "XYZ", "export.format.xyz", "Positions, normals and colours, as text."},
 };
 

@@ -5,6 +5,8 @@
 #include <exception>
 #include <iterator>
 
+#include "swatch/material_files.h"
+
 namespace dapple {
 namespace {
 
@@ -71,12 +73,7 @@ void SwatchLibrary::read(std::vector<std::filesystem::path> files, bool first) {
 }
 
 void SwatchLibrary::addFolder(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  for (const auto& file : std::filesystem::directory_iterator(folder, error))
-    if (file.is_regular_file(error)) files.push_back(file.path());
-  std::sort(files.begin(), files.end());
-  read(std::move(files), false);
+  read(swatchesIn(folder), false);
 }
 
 void SwatchLibrary::add(const std::filesystem::path& file) {

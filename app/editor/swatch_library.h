@@ -19,8 +19,8 @@ class SwatchLibrary {
 
   explicit SwatchLibrary(ReadImage read) : read_(std::move(read)) {}
 
-  // All images of a folder, by name; read on another thread. Files that cannot be read are left
-  // out.
+  // All images of a folder that are no maps of others, by name; read on another thread. Files that
+  // cannot be read are left out.
   void addFolder(const std::filesystem::path& folder);
   // One file, at the front of the list once it is read.
   void add(const std::filesystem::path& file);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include "document/channels.h"
 #include "synthesis/patch_overlap.h"
 
 namespace dapple {
@@ -21,7 +22,8 @@ constexpr std::size_t kGrain = 4096;
 bool suits(const ResultSource& source, const RegionTarget& target) {
   return source.region == target.region.id && !source.partial &&
          source.swatch == target.region.swatch && source.unit == target.unit &&
-         source.options == target.region.options;
+         source.options == target.region.options &&
+         sameHeights(source.maps.get(), target.region.maps.get(), target.region.options);
 }
 
 bool turned(const TangentFrame& was, const TangentFrame& is, int folds, float cosine) {

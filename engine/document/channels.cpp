@@ -126,6 +126,11 @@ std::shared_ptr<const MaterialMaps> readMaps(
   return std::make_shared<const MaterialMaps>(std::move(maps));
 }
 
+bool sameHeights(const MaterialMaps* a, const MaterialMaps* b, const TextureOptions& options) {
+  const std::vector<float>*of = heightsCompared(a, options), *other = heightsCompared(b, options);
+  return of == other || (of && other && *of == *other);
+}
+
 bool PointChannels::empty() const {
   return normal.empty() && std::all_of(scalar.begin(), scalar.end(),
                                        [](const auto& column) { return column.empty(); });

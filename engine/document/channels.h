@@ -2,8 +2,9 @@
 // read at the very texels, and with the very weights, that its colour is made of.
 //
 // A panel attaches channels by SetSwatch with the same path and crop as before: reference.channels
-// names the files, findChannels asks for those that lie beside the swatch under the usual names. No
-// result is made again for that: results of the same image use the region's channels from then on.
+// names the files, findChannels asks for those that lie beside the swatch under the usual names.
+// Results of the same image use the region's channels from then on. None is out of date for that,
+// unless its options give the height map a weight and the heights are others.
 #pragma once
 
 #include "document/document.h"
@@ -20,6 +21,10 @@ using ReadImage = std::function<Image(const std::filesystem::path&)>;
 std::shared_ptr<const MaterialMaps> readMaps(
     const SwatchReference& reference, const Image& whole, const ReadImage& read,
     const std::function<void(Channel, const std::string&)>& failed = {});
+
+// Whether a synthesis with these options is the same whichever of these maps, which may be null,
+// its swatch has.
+bool sameHeights(const MaterialMaps* a, const MaterialMaps* b, const TextureOptions& options);
 
 // What is known of the points' material.
 struct PointChannels {

@@ -73,10 +73,10 @@ struct AssignSelection {
 };
 struct SetSwatch {
   RegionId region;
-  SwatchReference reference;  // an empty path: no swatch
+  SwatchReference reference;  // an empty path: no swatch; a folder: swatchFile() of it
   unsigned gesture = 0;       // as SetRegion's
   // Channels that the reference does not name are looked for beside the swatch
-  // (material_maps.h); what is found and does not fit is noted, not refused.
+  // (material_files.h); what is found and does not fit is noted, not refused.
   bool findChannels = true;
 };
 struct AddStroke {

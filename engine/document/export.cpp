@@ -2,6 +2,7 @@
 
 #include "base/errors.h"
 #include "document/channels.h"
+#include "document/corner_texture.h"
 #include "document/export_format.h"
 
 namespace dapple {
@@ -34,13 +35,17 @@ Element borderElement(const Document& document) {
 }  // namespace
 
 void exportScan(const Document& document, const ExportScan& command, Monitor& monitor) {
-  exportFormat(command.path);
+  const ScanFormat format = exportFormat(command.path);
   const SourceMap map = wholeMap(document);
   const Scan& scan = document.scan->prepared.scan;
   RecordTable table = texturedTable(scan, map, command.options, *document.results.source);
   if (command.options.channels) addChannels(table, scan, channelsOf(document, monitor));
   if (command.options.sourceMap && document.results.border)
     table.elements.push_back(borderElement(document));
+  if (format != ScanFormat::Xyz) {
+    const CornerTexture corners = cornersOf(document.results, scan, monitor);
+    addCorners(table, corners, textureFiles(corners, document.results, command.path));
+  }
   for (std::size_t s = 0; s < document.results.sources.size(); ++s)
     table.comments.push_back(
         fmt::format("dapple swatch {} {}", s, document.results.sources[s]->reference.path));

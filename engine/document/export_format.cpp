@@ -24,6 +24,21 @@ std::string otherColumns(const Scan& scan) {
   return names;
 }
 
+// With its materials beside it, which are there first.
+void exportObj(const std::filesystem::path& path, const RecordTable& table, OutputFile& file,
+               Monitor& monitor) {
+  const std::string text = objMaterials(table);
+  const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".mtl");
+  writeObj(file, table, text.empty() ? std::string() : beside.filename().string(), monitor);
+  monitor.checkpoint();
+  if (!text.empty()) {
+    OutputFile materials(beside);
+    materials.write(text.data(), text.size());
+    materials.commit();
+  }
+  file.commit();
+}
+
 }  // namespace
 
 ScanFormat exportFormat(const std::filesystem::path& path) {
@@ -45,10 +60,8 @@ void exportTable(const std::filesystem::path& path, const RecordTable& table, bo
   const Element* vertices = table.find("vertex");
   monitor.begin(Stage::Save, vertices ? vertices->count : 0);
   OutputFile file(path);
-  if (format == ScanFormat::Obj)
-    writeObj(file, table, monitor);
-  else
-    writeXyz(file, table, monitor);
+  if (format == ScanFormat::Obj) return exportObj(path, table, file, monitor);
+  writeXyz(file, table, monitor);
   monitor.checkpoint();
   file.commit();
 }
@@ -60,6 +73,10 @@ std::vector<std::string> exportLosses(ScanFormat format, const Scan& scan,
     lines.push_back("The material channels of the swatches.");
   if (!scan.points.colours.empty() && (!options.keepColours || format != ScanFormat::Ply))
     lines.push_back("The scan's own colours: the new ones take their place.");
+  const Element* faces = scan.table.find("face");
+  const bool mesh = faces && faces->count > 0;
+  if (format == ScanFormat::Ply && mesh && faces->find("texcoord"))
+    lines.push_back("The scan's own texture coordinates: the new ones take their place.");
   if (format == ScanFormat::Ply) {
     if (!options.sourceMap) lines.push_back("Where in the swatch each point's colour comes from.");
     return lines;
@@ -67,8 +84,7 @@ std::vector<std::string> exportLosses(ScanFormat format, const Scan& scan,
   lines.push_back("Where in the swatch each point's colour comes from.");
   if (const std::string names = otherColumns(scan); !names.empty())
     lines.push_back("The scan's other columns: " + names + ".");
-  const Element* faces = scan.table.find("face");
-  if (format == ScanFormat::Xyz && faces && faces->count > 0)
+  if (format == ScanFormat::Xyz && mesh)
     lines.push_back(fmt::format("The mesh: {} faces.", faces->count));
   if (format == ScanFormat::Obj)
     lines.push_back("Programs that know OBJ by its standard alone see no colours.");

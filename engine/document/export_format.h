@@ -14,8 +14,8 @@ enum class ScanFormat { Ply, Obj, Xyz };
 // By the extension: .ply (or none, or a device), .obj, .xyz and .txt. Throws IoError for others.
 ScanFormat exportFormat(const std::filesystem::path& path);
 
-// Writes the table in the format that the name asks for; `ascii` is for PLY. As savePly(): whole or
-// not at all. Throws IoError, Cancelled.
+// Writes the table in the format that the name asks for; `ascii` is for PLY. Whole or not at all,
+// as savePly(); of OBJ with texture coordinates a .mtl file, too. Throws IoError, Cancelled.
 void exportTable(const std::filesystem::path& path, const RecordTable& table, bool ascii,
                  Monitor& monitor);
 

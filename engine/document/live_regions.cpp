@@ -4,18 +4,20 @@
 #include <array>
 
 #include "document/border_blend.h"
+#include "document/channels.h"
 
 namespace dapple {
 namespace {
 
-// Channels are attached by choosing the swatch again; no synthesis looks at them.
+// Channels are attached by choosing the swatch again; a synthesis looks at heights only.
 bool onlyChannels(const Region& a, const Region& b) {
   return sameImage(a.reference, b.reference) && !(a.reference == b.reference);
 }
 
 bool sameInput(const Region& a, const Region& b) {
   const bool sameSwatch = (a.image == b.image && a.swatch == b.swatch) || onlyChannels(a, b);
-  return sameSwatch && a.options == b.options && a.rotation == b.rotation && a.strokes == b.strokes;
+  return sameSwatch && sameHeights(a.maps.get(), b.maps.get(), b.options) &&
+         a.options == b.options && a.rotation == b.rotation && a.strokes == b.strokes;
 }
 
 bool hasBorder(const Region& region) {

@@ -39,9 +39,6 @@ constexpr bool pastesSquares(const T& o) {
 constexpr bool isCoordinates(const T& o) {
   return o.method == Method::Coordinates;
 }
-constexpr bool relaxesPlaces(const T& o) {
-  return isCoordinates(o) || o.method == Method::Tiling;
-}
 constexpr bool isMapping(const T& o) {
   return o.method == Method::Mapping;
 }
@@ -49,7 +46,7 @@ constexpr bool hasSeams(const T& o) {
   return growsPatches(o) || matchesOrGrid(o) || isMapping(o) || o.method == Method::Tiling;
 }
 constexpr bool isDirected(const T& o) {
-  return growsPatches(o) || matchesOrGrid(o) || relaxesPlaces(o) || isMapping(o);
+  return hasSeams(o) || isCoordinates(o);
 }
 constexpr bool isSpread(const T& o) {
   return isDirected(o) && o.field != FieldMethod::Up && o.field != FieldMethod::Random;
@@ -137,6 +134,13 @@ constexpr std::array kTable = {
               .help = "all but coordinates: swatch pixels on both sides of a seam within which "
                       "coordinates mend it, 0 to leave seams as they are",
               .counts = hasSeams},
+    OptionRow{.name = "height-weight",
+              .field = &T::heightWeight,
+              .low = 0,
+              .high = 10,
+              .help = "how much a swatch's height map counts where its places are compared, 1 for "
+                      "as much as the colours",
+              .counts = isDirected},
     OptionRow{.name = "tileable",
               .field = &T::tileable,
               .choices = "auto|yes|no",

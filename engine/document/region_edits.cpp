@@ -6,6 +6,7 @@
 #include "document/channels.h"
 #include "document/edits.h"
 #include "document/options_table.h"
+#include "swatch/material_files.h"
 
 namespace dapple {
 namespace {
@@ -253,8 +254,9 @@ Document edited(const Document& document, const SetSwatch& command, const Comman
   region.maps = nullptr;
   if (!command.reference.path.empty()) {
     DAPPLE_CHECK(static_cast<bool>(context.readImage), ==, true);
-    const Image whole = context.readImage(command.reference.path);
-    region.image = std::make_shared<const Image>(cropped(whole, command.reference));
+    region.reference.path = swatchFile(command.reference.path).string();
+    const Image whole = context.readImage(region.reference.path);
+    region.image = std::make_shared<const Image>(cropped(whole, region.reference));
     // Only channels have changed: what compares swatches by their address is to see that.
     const Region& old = regionOf(document, command.region);
     const bool same = old.swatch && sameImage(old.reference, region.reference) &&

@@ -201,6 +201,7 @@ class RegionSynthesis {
         monitor_(monitor),
         field_(turn.field ? *turn.field : own_) {
     region_.options = resolvedOptions(document, region, analysis_, monitor);
+    compared_ = comparedSwatch(region.swatch, region.maps.get(), region_.options);
   }
 
   RegionResult run() {
@@ -234,7 +235,7 @@ class RegionSynthesis {
     const std::vector<Index> starts = startsOf(part().strokes(region_));
     SynthesisResult result = synthesize({.points = part().points(),
                                          .neighborhoods = part().neighborhoods(),
-                                         .swatch = *region_.swatch,
+                                         .swatch = *compared_,
                                          .frames = field.frames,
                                          .unit = unit,
                                          .scale = field.scale,
@@ -263,7 +264,7 @@ class RegionSynthesis {
     const std::vector<TangentFrame> frames = gathered(target.field.frames, changes.points);
     const SynthesisResult made = synthesize({.points = points,
                                              .neighborhoods = near,
-                                             .swatch = *region_.swatch,
+                                             .swatch = *compared_,
                                              .frames = frames,
                                              .unit = target.unit,
                                              .scale = changes.map.scale,
@@ -279,6 +280,7 @@ class RegionSynthesis {
   const SynthesisWatch& watch_;
   Monitor& monitor_;
   std::shared_ptr<const SwatchAnalysis> analysis_;
+  std::shared_ptr<const Swatch> compared_;
   std::unique_ptr<RegionField> own_;  // where none is kept
   std::unique_ptr<RegionField>& field_;
 };

@@ -6,6 +6,7 @@
 #include "base/errors.h"
 #include "document/options_table.h"
 #include "points/normals.h"
+#include "swatch/swatch_relief.h"
 
 namespace dapple {
 namespace {
@@ -95,6 +96,20 @@ OrientationField directionsOf(const PointSet& points, const Neighborhoods& neigh
                               std::span<const Stroke> strokes, const TextureOptions& options,
                               Monitor& monitor) {
   return orientPoints(points, neighborhoods, strokes, fieldOptionsOf(options), monitor);
+}
+
+const std::vector<float>* heightsCompared(const MaterialMaps* maps, const TextureOptions& options) {
+  if (!maps || !maps->has(Channel::Height) || options.heightWeight <= 0) return nullptr;
+  if (!findOption("height-weight")->countsIn(options)) return nullptr;
+  return &maps->scalar[static_cast<std::size_t>(Channel::Height)];
+}
+
+std::shared_ptr<const Swatch> comparedSwatch(std::shared_ptr<const Swatch> swatch,
+                                             const MaterialMaps* maps,
+                                             const TextureOptions& options) {
+  const std::vector<float>* heights = heightsCompared(maps, options);
+  if (!heights) return swatch;
+  return std::make_shared<const Swatch>(withRelief(*swatch, *heights, options.heightWeight));
 }
 
 TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "io/point_io.h"
 #include "points/neighborhoods.h"
 #include "regions/orientation_field.h"
+#include "swatch/material_maps.h"
 #include "synthesis/synthesis.h"
 #include "synthesis/texture_score.h"
 
@@ -41,6 +43,14 @@ FieldOptions fieldOptionsOf(const TextureOptions& options);
 OrientationField directionsOf(const PointSet& points, const Neighborhoods& neighborhoods,
                               std::span<const Stroke> strokes, const TextureOptions& options,
                               Monitor& monitor);
+
+// The heights that a synthesis with these options compares places by, beside the colours; null:
+// none.
+const std::vector<float>* heightsCompared(const MaterialMaps* maps, const TextureOptions& options);
+// The swatch for it, with them as its relief; the same one when there are none.
+std::shared_ptr<const Swatch> comparedSwatch(std::shared_ptr<const Swatch> swatch,
+                                             const MaterialMaps* maps,
+                                             const TextureOptions& options);
 
 struct TexturedPoints {
   SourceMap map;

@@ -70,16 +70,65 @@ void putUnit(std::string& out, const Property& column, std::size_t record) {
                  bytes ? column.at(record) / 255 : column.at(record));
 }
 
-void putFaces(Lines& lines, const Element& faces, bool normals) {
-  const Property* corners = faces.find("vertex_indices");
-  if (!corners) corners = faces.find("vertex_index");
-  if (!corners || !corners->isList) return;
-  for (std::size_t f = 0; f < faces.count; ++f) {
+// The columns of the faces; null: there is none.
+struct FaceColumns {
+  const Property* corners = nullptr;
+  const Property* coordinates = nullptr;  // two for each corner
+  const Property* texture = nullptr;      // below 0: the face has none; null: all have the first
+
+  explicit FaceColumns(const RecordTable& table) {
+    const Element* faces = table.find("face");
+    if (!faces) return;
+    corners = faces->find("vertex_indices");
+    if (!corners) corners = faces->find("vertex_index");
+    if (corners && !corners->isList) corners = nullptr;
+    const Property* pairs = faces->find("texcoord");
+    if (!corners || !pairs || !pairs->isList) return;
+    for (std::size_t f = 0; f < corners->listOffsets.size(); ++f)
+      if (pairs->listOffsets[f] != 2 * corners->listOffsets[f]) return;
+    coordinates = pairs;
+    texture = faces->find("texnumber");
+    if (texture && texture->isList) texture = nullptr;
+  }
+
+  int textureOf(std::size_t face) const {
+    if (!coordinates) return -1;
+    return texture ? static_cast<int>(texture->at(face)) : 0;
+  }
+};
+
+std::string materialName(int texture) {
+  return texture < 0 ? "bare" : fmt::format("swatch{}", texture);
+}
+
+void putCoordinates(Lines& lines, const FaceColumns& columns) {
+  for (std::size_t k = 0; k < columns.corners->listOffsets.back(); ++k) {
+    lines.text() += "vt";
+    for (const std::size_t number : {2 * k, 2 * k + 1})
+      put(lines.text(), *columns.coordinates, number);
+    lines.endLine();
+  }
+}
+
+void putFaces(Lines& lines, const FaceColumns& columns, bool normals, bool materials) {
+  const Property& corners = *columns.corners;
+  std::string current;
+  for (std::size_t f = 0; f + 1 < corners.listOffsets.size(); ++f) {
+    const int texture = columns.textureOf(f);
+    if (materials && materialName(texture) != current) {
+      current = materialName(texture);
+      lines.text() += "usemtl " + current;
+      lines.endLine();
+    }
     lines.text() += 'f';
-    for (std::size_t k = corners->listOffsets[f]; k < corners->listOffsets[f + 1]; ++k) {
-      const auto vertex = static_cast<std::uint64_t>(corners->at(k)) + 1;
+    for (std::size_t k = corners.listOffsets[f]; k < corners.listOffsets[f + 1]; ++k) {
+      const auto vertex = static_cast<std::uint64_t>(corners.at(k)) + 1;
       fmt::format_to(std::back_inserter(lines.text()), " {}", vertex);
-      if (normals) fmt::format_to(std::back_inserter(lines.text()), "//{}", vertex);
+      if (texture >= 0)
+        fmt::format_to(std::back_inserter(lines.text()), "/{}", k + 1);
+      else if (normals)
+        lines.text() += '/';
+      if (normals) fmt::format_to(std::back_inserter(lines.text()), "/{}", vertex);
     }
     lines.endLine();
   }
@@ -87,11 +136,29 @@ void putFaces(Lines& lines, const Element& faces, bool normals) {
 
 }  // namespace
 
-void writeObj(OutputFile& file, const RecordTable& table, Monitor& monitor) {
+std::string objMaterials(const RecordTable& table) {
+  const FaceColumns columns(table);
+  std::string text;
+  int texture = 0;
+  for (const std::string& line : table.comments)
+    if (columns.coordinates && line.starts_with(kTextureComment))
+      text += fmt::format("newmtl {}\nKd 1 1 1\nmap_Kd {}\n\n", materialName(texture++),
+                          line.substr(kTextureComment.size()));
+  if (!text.empty()) text += fmt::format("newmtl {}\nKd 0.72 0.72 0.72\n", materialName(-1));
+  return text;
+}
+
+void writeObj(OutputFile& file, const RecordTable& table, const std::string& materials,
+              Monitor& monitor) {
   const Element& vertices = verticesOf(table);
   const Columns position = columnsOf(vertices, kPosition), normal = columnsOf(vertices, kNormal),
                 colour = columnsOf(vertices, kColour);
+  const FaceColumns faces(table);
   Lines lines(file, monitor);
+  if (!materials.empty()) {
+    lines.text() += "mtllib " + materials;
+    lines.endLine();
+  }
   for (std::size_t r = 0; r < vertices.count; ++r) {
     lines.text() += 'v';
     for (const Property* column : position) put(lines.text(), *column, r);
@@ -103,7 +170,8 @@ void writeObj(OutputFile& file, const RecordTable& table, Monitor& monitor) {
     for (const Property* column : normal) put(lines.text(), *column, r);
     lines.endLine();
   }
-  if (const Element* faces = table.find("face")) putFaces(lines, *faces, !normal.empty());
+  if (faces.coordinates) putCoordinates(lines, faces);
+  if (faces.corners) putFaces(lines, faces, !normal.empty(), !materials.empty());
   lines.flush();
 }
 

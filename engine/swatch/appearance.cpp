@@ -14,13 +14,15 @@
 #include "base/hash_rng.h"
 #include "base/simd.h"
 #include "swatch/gaussian_blur.h"
+#include "swatch/swatch_relief.h"
 
 namespace dapple {
 namespace {
 
 constexpr int kTaps = 2;  // texels to each side
-constexpr int kSide = 2 * kTaps + 1, kColours = 3;
-constexpr int kNumbers = kSide * kSide * kColours;
+constexpr int kSide = 2 * kTaps + 1;
+template <int Colours>  // 3, or 4 with relief
+constexpr int kNumbers = kSide* kSide* Colours;
 constexpr float kTapWidth = 2.2f;  // of the Gaussian that weighs them, steps
 constexpr float kLargest = 1000;   // of a number: 24 squared differences of 8 sums fit 31 bits
 constexpr float kClipped = 1400;
@@ -30,13 +32,15 @@ constexpr std::size_t kRowGrain = 16;
 // Swatches of more pixels get fewer samples on the finest levels: the processor's caches are small.
 constexpr std::size_t kSmallSwatch = 160 * 160, kMediumSwatch = 768 * 768;
 
-using Basis = Eigen::Matrix<float, kAppearanceNumbers, kNumbers>;
+template <int Colours>
+using Basis = Eigen::Matrix<float, kAppearanceNumbers, kNumbers<Colours>>;
 
+template <int Colours>
 struct Samples {
   int perStep = 4;  // along each axis
   int border = 0;   // around those of the appearance
   int stride = 0, rows = 0;
-  std::vector<vec3> colours;
+  std::vector<glm::vec<Colours, float>> colours;
 };
 
 int samplesPerStep(const Swatch& swatch, int level) {
@@ -51,17 +55,25 @@ float mirroredCoordinate(float value, float size) {
   return twice <= size ? twice : 2 * size - twice;
 }
 
-// The swatch with a margin of samples around, blurred for the level.
-Samples sampleLevel(const Swatch& swatch, const AppearanceLevel& out, int perStep,
-                    Monitor& monitor) {
+// As sampleSwatch() reads it, blurred for a level.
+Swatch blurredView(const Swatch& swatch, int level) {
   Swatch view{.width = swatch.width, .height = swatch.height, .tileable = swatch.tileable};
-  view.stack.push_back(out.level == 0 ? swatch.colours()
-                                      : blurSwatch(swatch, std::ldexp(0.5, out.level)));
+  view.stack.push_back(level == 0 ? swatch.colours() : blurSwatch(swatch, std::ldexp(0.5, level)));
+  return view;
+}
+
+// The swatch with a margin of samples around, blurred for the level.
+template <int Colours>
+Samples<Colours> sampleLevel(const Swatch& swatch, const AppearanceLevel& out, int perStep,
+                             Monitor& monitor) {
+  const Swatch view = blurredView(swatch, out.level);
+  Swatch relief;
+  if constexpr (Colours == 4) relief = blurredView(reliefAsColours(swatch), out.level);
   const int border = kTaps * perStep;
-  Samples samples{.perStep = perStep,
-                  .border = border,
-                  .stride = out.stride + 2 * border,
-                  .rows = out.rows + 2 * border};
+  Samples<Colours> samples{.perStep = perStep,
+                           .border = border,
+                           .stride = out.stride + 2 * border,
+                           .rows = out.rows + 2 * border};
   const float pitch = static_cast<float>(1 << out.shift) / kPlaceScale;  // pixels
   samples.colours.resize(static_cast<std::size_t>(samples.stride) * samples.rows);
   const auto place = [&](int sample, int size) {
@@ -72,9 +84,14 @@ Samples sampleLevel(const Swatch& swatch, const AppearanceLevel& out, int perSte
       monitor, static_cast<std::size_t>(samples.rows), kRowGrain,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y)
-          for (int x = 0; x < samples.stride; ++x)
-            samples.colours[y * static_cast<std::size_t>(samples.stride) + x] = sampleSwatch(
-                view, {place(x, swatch.width), place(static_cast<int>(y), swatch.height)});
+          for (int x = 0; x < samples.stride; ++x) {
+            const vec2 at(place(x, swatch.width), place(static_cast<int>(y), swatch.height));
+            auto& sample = samples.colours[y * static_cast<std::size_t>(samples.stride) + x];
+            if constexpr (Colours == 4)
+              sample = glm::vec4(sampleSwatch(view, at), sampleSwatch(relief, at).x);
+            else
+              sample = sampleSwatch(view, at);
+          }
       });
   return samples;
 }
@@ -93,31 +110,35 @@ std::array<float, kSide * kSide> tapWeights() {
 }
 
 // The weighted colours around sample (x, y).
-Eigen::Matrix<float, kNumbers, 1> surroundings(const Samples& samples, int x, int y) {
+template <int Colours>
+Eigen::Matrix<float, kNumbers<Colours>, 1> surroundings(const Samples<Colours>& samples, int x,
+                                                        int y) {
   static const auto weights = tapWeights();
-  Eigen::Matrix<float, kNumbers, 1> out;
+  Eigen::Matrix<float, kNumbers<Colours>, 1> out;
   int n = 0;
   for (int ty = -kTaps; ty <= kTaps; ++ty)
     for (int tx = -kTaps; tx <= kTaps; ++tx) {
       const std::ptrdiff_t at =
           static_cast<std::ptrdiff_t>(y + ty * samples.perStep) * samples.stride + x +
           tx * samples.perStep;
-      const float w = weights[static_cast<std::size_t>(n / kColours)];
-      for (int c = 0; c < kColours; ++c) out[n++] = w * samples.colours[at][c];
+      const float w = weights[static_cast<std::size_t>(n / Colours)];
+      for (int c = 0; c < Colours; ++c) out[n++] = w * samples.colours[at][c];
     }
   return out;
 }
 
+template <int Colours>
 struct Projection {
-  Basis basis;  // weights of the taps included
+  Basis<Colours> basis;  // weights of the taps included
   Eigen::Matrix<float, kAppearanceNumbers, 1> mean;
   float unit;
 };
 
-Projection principalComponents(const Samples& samples, const PlaceDomain& domain,
-                               const AppearanceLevel& out) {
+template <int Colours>
+Projection<Colours> principalComponents(const Samples<Colours>& samples, const PlaceDomain& domain,
+                                        const AppearanceLevel& out) {
   const int border = samples.border;
-  Eigen::MatrixXf all(kNumbers, kSurroundings);
+  Eigen::MatrixXf all(kNumbers<Colours>, kSurroundings);
   for (std::size_t s = 0; s < kSurroundings; ++s) {
     const Place place = domain.random(0, s, 17);
     all.col(static_cast<Eigen::Index>(s)) =
@@ -128,7 +149,7 @@ Projection principalComponents(const Samples& samples, const PlaceDomain& domain
   all.colwise() -= mean;
   const Eigen::MatrixXf covariance = all * all.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(covariance);
-  Projection projection;
+  Projection<Colours> projection;
   projection.basis = solver.eigenvectors().rightCols(kAppearanceNumbers).transpose();
   const float largest = (projection.basis * all).cwiseAbs().maxCoeff();
   projection.unit = largest > 0 ? kLargest / largest : 1;
@@ -137,9 +158,11 @@ Projection principalComponents(const Samples& samples, const PlaceDomain& domain
 }
 
 // By tap and colour, how it adds to each number: eight lanes at once.
-using TapColumns = std::array<std::array<float, kAppearanceNumbers>, kNumbers>;
+template <int Colours>
+using TapColumns = std::array<std::array<float, kAppearanceNumbers>, kNumbers<Colours>>;
+template <int Colours>
 struct TapTable {
-  TapColumns columns;
+  TapColumns<Colours> columns;
   std::array<float, kAppearanceNumbers> shifts;  // that bring the mean to 0
 };
 
@@ -151,30 +174,34 @@ int turnedTap(int tap, int quarters) {
   return (y + kTaps) * kSide + x + kTaps;
 }
 
-TapTable tapTable(const Projection& projection, int quarters) {
+template <int Colours>
+TapTable<Colours> tapTable(const Projection<Colours>& projection, int quarters) {
   const auto weights = tapWeights();
-  TapTable table;
+  TapTable<Colours> table;
   for (int tap = 0; tap < kSide * kSide; ++tap)
-    for (int c = 0; c < kColours; ++c)
+    for (int c = 0; c < Colours; ++c)
       for (int d = 0; d < kAppearanceNumbers; ++d)
-        table.columns[turnedTap(tap, quarters) * kColours + c][d] =
-            projection.unit * projection.basis(d, tap * kColours + c) * weights[tap];
+        table.columns[turnedTap(tap, quarters) * Colours + c][d] =
+            projection.unit * projection.basis(d, tap * Colours + c) * weights[tap];
   for (int d = 0; d < kAppearanceNumbers; ++d)
     table.shifts[d] = -projection.unit * projection.mean[d];
   return table;
 }
 
-DAPPLE_CLONES void projectRow(const Samples& samples, const TapTable& table, const vec3* centre,
-                              std::span<Appearance> out) {
-  const TapColumns& columns = table.columns;
+template <int Colours>
+[[gnu::always_inline]] inline void projectTexels(const Samples<Colours>& samples,
+                                                 const TapTable<Colours>& table,
+                                                 const glm::vec<Colours, float>* centre,
+                                                 std::span<Appearance> out) {
+  const TapColumns<Colours>& columns = table.columns;
   for (std::size_t x = 0; x < out.size(); ++x) {
     Float8 sum = *reinterpret_cast<const Float8*>(table.shifts.data());
     int n = 0;
     for (int ty = -kTaps; ty <= kTaps; ++ty) {
-      const vec3* row =
+      const glm::vec<Colours, float>* row =
           centre + x + static_cast<std::ptrdiff_t>(ty * samples.perStep) * samples.stride;
       for (int tx = -kTaps; tx <= kTaps; ++tx)
-        for (int c = 0; c < kColours; ++c, ++n)
+        for (int c = 0; c < Colours; ++c, ++n)
           sum += *reinterpret_cast<const Float8*>(columns[n].data()) * row[tx * samples.perStep][c];
     }
     for (int d = 0; d < kAppearanceNumbers; ++d)
@@ -183,15 +210,27 @@ DAPPLE_CLONES void projectRow(const Samples& samples, const TapTable& table, con
   }
 }
 
-std::vector<Appearance> project(const Samples& samples, const Projection& projection, int quarters,
+// No templates: clones are made of functions only.
+DAPPLE_CLONES void projectRow(const Samples<3>& samples, const TapTable<3>& table,
+                              const vec3* centre, std::span<Appearance> out) {
+  projectTexels(samples, table, centre, out);
+}
+DAPPLE_CLONES void projectRow(const Samples<4>& samples, const TapTable<4>& table,
+                              const glm::vec4* centre, std::span<Appearance> out) {
+  projectTexels(samples, table, centre, out);
+}
+
+template <int Colours>
+std::vector<Appearance> project(const Samples<Colours>& samples,
+                                const Projection<Colours>& projection, int quarters,
                                 const AppearanceLevel& out, Monitor& monitor) {
-  const TapTable table = tapTable(projection, quarters);
+  const TapTable<Colours> table = tapTable(projection, quarters);
   const auto rows = static_cast<std::size_t>(out.rows),
              stride = static_cast<std::size_t>(out.stride);
   std::vector<Appearance> all(rows * stride);
   parallelFor(monitor, rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y) {
-      const vec3* centre = samples.colours.data() +
+      const auto* centre = samples.colours.data() +
                            (y + static_cast<std::size_t>(samples.border)) *
                                static_cast<std::size_t>(samples.stride) +
                            samples.border;
@@ -199,6 +238,18 @@ std::vector<Appearance> project(const Samples& samples, const Projection& projec
     }
   });
   return all;
+}
+
+// What of a level its geometry is filled with.
+template <int Colours>
+void fillSamples(const Swatch& swatch, int perStep, bool turned, AppearanceLevel& out,
+                 Monitor& monitor) {
+  const Samples<Colours> samples = sampleLevel<Colours>(swatch, out, perStep, monitor);
+  const Projection<Colours> projection = principalComponents(samples, PlaceDomain(swatch), out);
+  out.unit = projection.unit * std::sqrt(3.f);
+  out.samples = project(samples, projection, 0, out, monitor);
+  for (int q = 1; turned && q < 4; ++q)
+    out.turned[static_cast<std::size_t>(q - 1)] = project(samples, projection, q, out, monitor);
 }
 
 }  // namespace
@@ -264,12 +315,10 @@ AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Mon
   };
   out.stride = samplesAlong(swatch.width);
   out.rows = samplesAlong(swatch.height);
-  const Samples samples = sampleLevel(swatch, out, perStep, monitor);
-  const Projection projection = principalComponents(samples, PlaceDomain(swatch), out);
-  out.unit = projection.unit * std::sqrt(static_cast<float>(kColours));
-  out.samples = project(samples, projection, 0, out, monitor);
-  for (int q = 1; turned && q < 4; ++q)
-    out.turned[static_cast<std::size_t>(q - 1)] = project(samples, projection, q, out, monitor);
+  if (swatch.relief.empty())
+    fillSamples<3>(swatch, perStep, turned, out, monitor);
+  else
+    fillSamples<4>(swatch, perStep, turned, out, monitor);
   return out;
 }
 

@@ -1,6 +1,6 @@
 // What the surroundings of every place in a swatch look like, short enough to be compared sixteen
 // times for each of millions of candidates (methods: 3.4, step 1): the colours of 5 x 5 texels, a
-// step apart, projected on their eight principal components.
+// step apart, and their relief where there is one, projected on their eight principal components.
 #pragma once
 
 #include <array>

@@ -1,7 +1,6 @@
 #include "swatch/material_maps.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "base/errors.h"
@@ -9,70 +8,8 @@
 namespace dapple {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::array<std::string_view, kChannels> kNames{"roughness", "height", "metallic", "ao",
                                                          "normal"};
-
-// How files of a channel end, in lower case and without the '_' or '-' before; the better first.
-struct Ending {
-  std::string_view text;
-  Channel channel;
-  bool greenDown = false;
-};
-constexpr Ending kEndings[] = {
-    {"roughness", Channel::Roughness},
-    {"rough", Channel::Roughness},
-    {"height", Channel::Height},
-    {"displacement", Channel::Height},
-    {"disp", Channel::Height},
-    {"metallic", Channel::Metallic},
-    {"metalness", Channel::Metallic},
-    {"metal", Channel::Metallic},
-    {"occlusion", Channel::Occlusion},
-    {"ambientocclusion", Channel::Occlusion},
-    {"ao", Channel::Occlusion},
-    {"nor_gl", Channel::Normal},
-    {"normal_gl", Channel::Normal},
-    {"normalgl", Channel::Normal},
-    {"normal", Channel::Normal},
-    {"nrm", Channel::Normal},
-    {"nor", Channel::Normal},
-    {"nor_dx", Channel::Normal, true},
-    {"normal_dx", Channel::Normal, true},
-    {"normaldx", Channel::Normal, true},
-};
-// What a swatch's own name may end with in its channels' place.
-constexpr std::string_view kColourEndings[] = {"basecolor", "base_color", "albedo", "diffuse",
-                                               "diff",      "color",      "colour", "col"};
-constexpr std::string_view kImages[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff",
-                                        ".exr", ".hdr", ".tga",  ".bmp", ".webp"};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-// "wood" of "wood_diff".
-std::string baseOf(const std::string& stem) {
-  for (const std::string_view ending : kColourEndings) {
-    if (stem.size() <= ending.size() + 1 || !stem.ends_with(ending)) continue;
-    const char before = stem[stem.size() - ending.size() - 1];
-    if (before == '_' || before == '-') return stem.substr(0, stem.size() - ending.size() - 1);
-  }
-  return stem;
-}
-
-// Position in kEndings of what follows `base` in a file's stem; past the end: something else.
-std::size_t endingOf(const std::string& stem, const std::string& base) {
-  const std::size_t none = std::size(kEndings);
-  if (stem.size() <= base.size() + 1 || !stem.starts_with(base)) return none;
-  if (stem[base.size()] != '_' && stem[base.size()] != '-') return none;
-  const std::string_view rest = std::string_view(stem).substr(base.size() + 1);
-  for (std::size_t e = 0; e < none; ++e)
-    if (rest == kEndings[e].text) return e;
-  return none;
-}
 
 struct BilinearRead {
   std::size_t texel[4];
@@ -129,32 +66,6 @@ Channel channelNamed(std::string_view name) {
 
 bool ChannelPaths::empty() const {
   return std::all_of(paths.begin(), paths.end(), [](const auto& path) { return path.empty(); });
-}
-
-ChannelPaths findChannels(const fs::path& swatch) {
-  ChannelPaths out;
-  const std::string own = lower(swatch.stem().string()), base = baseOf(own);
-  std::array<std::size_t, kChannels> best;
-  best.fill(std::size(kEndings));
-  std::error_code error;
-  const fs::path folder = swatch.has_parent_path() ? swatch.parent_path() : fs::path(".");
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    const fs::path& path = at->path();
-    const std::string extension = lower(path.extension().string());
-    if (std::find(std::begin(kImages), std::end(kImages), extension) == std::end(kImages)) continue;
-    const std::string stem = lower(path.stem().string());
-    const std::size_t ending = std::min(endingOf(stem, base), endingOf(stem, own));
-    if (ending == std::size(kEndings)) continue;
-    const Channel channel = kEndings[ending].channel;
-    std::size_t& found = best[static_cast<std::size_t>(channel)];
-    const std::string full = (swatch.parent_path() / path.filename()).string();
-    // A folder is read in any order; the same answer whichever.
-    if (ending > found || (ending == found && full >= out[channel])) continue;
-    found = ending;
-    out[channel] = full;
-    if (channel == Channel::Normal) out.greenDown = kEndings[ending].greenDown;
-  }
-  return out;
 }
 
 bool MaterialMaps::has(Channel channel) const {

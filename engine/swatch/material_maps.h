@@ -1,9 +1,8 @@
-// Further images of a swatch: what the same place of the material is like beyond its colour. No
-// synthesis looks at them; they follow its source map.
+// Further images of a swatch: what the same place of the material is like beyond its colour. They
+// follow the source map of a synthesis, which at most looks at the heights (swatch_relief.h).
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,11 +32,6 @@ struct ChannelPaths {
   bool empty() const;
   bool operator==(const ChannelPaths&) const = default;
 };
-
-// The files beside a swatch that are called as it is but for the usual endings: wood.png or
-// wood_diff.png, wood_nor_gl.exr, wood_rough.png. Never throws: a folder that cannot be read holds
-// none.
-ChannelPaths findChannels(const std::filesystem::path& swatch);
 
 // w x h values each, or none.
 struct MaterialMaps {

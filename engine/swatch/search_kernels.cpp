@@ -63,7 +63,7 @@ KernelBest searchScalar(const KernelArea& area) {
       for (std::size_t t = 0; t < area.termCount && error < best.error; ++t) {
         const std::uint32_t pixel = area.terms[t].row[y * area.stride + x];
         const std::uint32_t colour = area.terms[t].colour;
-        for (int shift = 0; shift < 24; shift += 8) {
+        for (int shift = 0; shift < 32; shift += 8) {
           const int d =
               static_cast<int>((pixel >> shift) & 127) - static_cast<int>((colour >> shift) & 127);
           error += static_cast<std::uint32_t>(d * d);
@@ -186,7 +186,7 @@ DAPPLE_AVX512 inline void restAvx512(const KernelArea& area, int constant, Block
 int squaredColours(const KernelArea& area) {
   std::uint32_t sum = 0;
   for (std::size_t t = 0; t < area.termCount; ++t) {
-    for (int shift = 0; shift < 24; shift += 8) {
+    for (int shift = 0; shift < 32; shift += 8) {
       const std::uint32_t c = (area.terms[t].colour >> shift) & 127;
       sum += c * c;
     }

@@ -68,11 +68,12 @@ LinearRead linearRead(float coordinate, int size, bool wraps) {
           static_cast<int>(std::clamp(whole + 1, 0.0f, limit - 1)), shifted - whole};
 }
 
-vec3 sampleColours(const Swatch& swatch, const std::vector<vec3>& colours, vec2 texel) {
+template <class T>
+T sampleValues(const Swatch& swatch, const std::vector<T>& values, vec2 texel) {
   const LinearRead x = linearRead(texel.x, swatch.width, swatch.tileable);
   const LinearRead y = linearRead(texel.y, swatch.height, swatch.tileable);
-  const vec3* upper = colours.data() + static_cast<std::size_t>(y.first) * swatch.width;
-  const vec3* lower = colours.data() + static_cast<std::size_t>(y.second) * swatch.width;
+  const T* upper = values.data() + static_cast<std::size_t>(y.first) * swatch.width;
+  const T* lower = values.data() + static_cast<std::size_t>(y.second) * swatch.width;
   return glm::mix(glm::mix(upper[x.first], upper[x.second], x.weight),
                   glm::mix(lower[x.first], lower[x.second], x.weight), y.weight);
 }
@@ -136,9 +137,13 @@ vec3 sampleSwatch(const Swatch& swatch, vec2 texel, float level) {
   const float clamped = std::clamp(level, 0.0f, coarsest);
   const auto finer = static_cast<std::size_t>(clamped);
   const float blend = clamped - static_cast<float>(finer);
-  const vec3 colour = sampleColours(swatch, swatch.stack[finer], texel);
+  const vec3 colour = sampleValues(swatch, swatch.stack[finer], texel);
   if (blend <= 0) return colour;
-  return glm::mix(colour, sampleColours(swatch, swatch.stack[finer + 1], texel), blend);
+  return glm::mix(colour, sampleValues(swatch, swatch.stack[finer + 1], texel), blend);
+}
+
+float sampleRelief(const Swatch& swatch, vec2 texel) {
+  return swatch.relief.empty() ? 0 : sampleValues(swatch, swatch.relief.front(), texel);
 }
 
 float wrapCoordinate(float value, float size) {

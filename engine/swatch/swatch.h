@@ -20,6 +20,9 @@ struct Swatch {
   // 0.5 * 2^l pixels; transparent texels hold the colour of the nearest opaque one, so that a
   // filter at the rim of a hole never mixes in what is hidden.
   std::vector<std::vector<vec3>> stack;
+  // By level as `stack`: a fourth number of every texel that places are compared by
+  // (swatch_relief.h). Nobody sees it; empty: colours are all.
+  std::vector<std::vector<float>> relief;
 
   const std::vector<vec3>& colours() const { return stack.front(); }
   std::size_t pixels() const { return static_cast<std::size_t>(width) * height; }
@@ -38,6 +41,9 @@ bool looksTileable(const Image& image);
 // Bilinear colour; wrapped when tileable, else clamped to the border pixels. A fractional level
 // blends two levels of the stack.
 vec3 sampleSwatch(const Swatch& swatch, vec2 texel, float level = 0);
+
+// Bilinear, of level 0; 0 where the swatch has no relief.
+float sampleRelief(const Swatch& swatch, vec2 texel);
 
 // The same coordinate in [0, size).
 float wrapCoordinate(float value, float size);

@@ -28,13 +28,17 @@ int wrapped(int i, int size) {
   return i < 0 ? i + size : i;
 }
 
-std::uint32_t packed(vec3 colour) {
+std::uint32_t packed(glm::vec4 texel) {
   std::uint32_t word = 0;
-  for (int c = 0; c < 3; ++c) {
-    const float level = std::clamp(colour[c], 0.0f, 1.0f) * 127.0f + 0.5f;
+  for (int c = 0; c < 4; ++c) {
+    const float level = std::clamp(texel[c], 0.0f, 1.0f) * 127.0f + 0.5f;
     word |= static_cast<std::uint32_t>(level) << (8 * c);
   }
   return word;
+}
+
+std::uint32_t packed(const SearchTerm& term) {
+  return packed(glm::vec4(term.colour, term.relief));
 }
 
 Kernel kernelOf(SimdPath path) {
@@ -51,6 +55,16 @@ Kernel kernelOf(SimdPath path) {
   (void)path;
 #endif
   return detail::searchScalar;
+}
+
+// Colours and relief.
+std::vector<glm::vec4> texelsOf(const Swatch& swatch, std::size_t level) {
+  std::vector<glm::vec4> texels;
+  texels.reserve(swatch.pixels());
+  for (std::size_t i = 0; i < swatch.pixels(); ++i)
+    texels.emplace_back(swatch.stack[level][i],
+                        swatch.relief.empty() ? 0 : swatch.relief[level][i]);
+  return texels;
 }
 
 // A term's offset in whole pixels and phases.
@@ -88,7 +102,7 @@ struct SwatchSearch::Planes {
   std::ptrdiff_t words;  // of a row of bits
 
   Planes(const Swatch& swatch, int level, int phaseCount, int layerCount);
-  void fillLayer(const std::vector<vec3>& image, int layer);
+  void fillLayer(const std::vector<glm::vec4>& image, int layer);
   void fillTransparent(const Swatch& swatch);
 
   // Coarser layers are blurred by a pixel and more: two phases show all that is in them, and fewer
@@ -128,12 +142,12 @@ SwatchSearch::Planes::Planes(const Swatch& swatch, int level, int phaseCount, in
   pixels.resize(planes * height * stride);
   const int last = static_cast<int>(swatch.stack.size()) - 1;
   for (int layer = 0; layer < layers; ++layer) {
-    fillLayer(swatch.stack[std::min(level + layer, last)], layer);
+    fillLayer(texelsOf(swatch, static_cast<std::size_t>(std::min(level + layer, last))), layer);
   }
   if (holes) fillTransparent(swatch);
 }
 
-void SwatchSearch::Planes::fillLayer(const std::vector<vec3>& image, int layer) {
+void SwatchSearch::Planes::fillLayer(const std::vector<glm::vec4>& image, int layer) {
   const auto texel = [&](int x, int y) {
     x = tileable ? wrapped(x, width) : std::clamp(x, 0, width - 1);
     y = tileable ? wrapped(y, height) : std::clamp(y, 0, height - 1);
@@ -146,8 +160,8 @@ void SwatchSearch::Planes::fillLayer(const std::vector<vec3>& image, int layer) 
       for (int y = 0; y < height; ++y) {
         std::uint32_t* row = plane(layer, a, b) + y * stride + left;
         for (int x = 0; x < width; ++x) {
-          const vec3 upper = texel(x, y) * (1 - u) + texel(x + 1, y) * u;
-          const vec3 lower = texel(x, y + 1) * (1 - u) + texel(x + 1, y + 1) * u;
+          const glm::vec4 upper = texel(x, y) * (1 - u) + texel(x + 1, y) * u;
+          const glm::vec4 lower = texel(x, y + 1) * (1 - u) + texel(x + 1, y + 1) * u;
           row[x] = packed(upper * (1 - v) + lower * v);
         }
         for (int x = -left; x < stride - left; ++x) {
@@ -231,7 +245,7 @@ KernelBest SwatchSearch::Planes::searchInside(std::span<const SearchTerm> terms,
   std::vector<KernelTerm> rows(terms.size());
   for (std::size_t t = 0; t < terms.size(); ++t) {
     const Shift& s = shifts[t];
-    rows[t] = {plane(terms[t].layer, s.a, s.b) + s.y * stride + s.x, packed(terms[t].colour)};
+    rows[t] = {plane(terms[t].layer, s.a, s.b) + s.y * stride + s.x, packed(terms[t])};
   }
   std::vector<std::uint64_t> blocked;
   if (holes) blocked = blockedPlaces(shifts, range);
@@ -244,7 +258,7 @@ KernelBest SwatchSearch::Planes::searchInside(std::span<const SearchTerm> terms,
 KernelBest SwatchSearch::Planes::searchTiled(std::span<const SearchTerm> terms,
                                              std::span<const Shift> shifts, Kernel kernel) const {
   std::vector<KernelTerm> rows(terms.size());
-  for (std::size_t t = 0; t < terms.size(); ++t) rows[t].colour = packed(terms[t].colour);
+  for (std::size_t t = 0; t < terms.size(); ++t) rows[t].colour = packed(terms[t]);
   KernelBest best;
   for (int y0 = 0, y1; y0 < height; y0 = y1) {
     y1 = height;

@@ -15,19 +15,20 @@ SimdPath bestSimdPath();  // of this processor
 
 // One neighbour with a known colour.
 struct SearchTerm {
-  vec2 offset;    // from the searched place, swatch pixels (x right, y down)
-  vec3 colour;    // 0..1
-  int layer = 0;  // which layer of the search it is compared with
+  vec2 offset;       // from the searched place, swatch pixels (x right, y down)
+  vec3 colour;       // 0..1
+  int layer = 0;     // which layer of the search it is compared with
+  float relief = 0;  // 0..1, where the swatch has one
 };
 
 struct SearchResult {
   vec2 texel{0};            // of the best place, pixel centres at +0.5
-  std::uint32_t error = 0;  // sum over terms of squared 7-bit RGB differences
+  std::uint32_t error = 0;  // sum over terms of squared 7-bit differences
   bool found = false;       // false when no place keeps all terms inside and opaque
 };
 
-// For each phase (a, b) of P x P a plane of 7-bit RGB0 pixels I(x + a/P, y + b/P). Immutable after
-// construction; search() may be called from many threads.
+// For each phase (a, b) of P x P a plane of 7-bit pixels, RGB and relief or 0, I(x + a/P, y + b/P).
+// Immutable after construction; search() may be called from many threads.
 class SwatchSearch {
  public:
   // `level` of the swatch's stack, `phases` P in {1, 2, 4, 8}. `layers` >= 1: layer 0 is `level`,
@@ -36,11 +37,12 @@ class SwatchSearch {
   ~SwatchSearch();
   SwatchSearch(SwatchSearch&&) noexcept;
 
-  // The place x over all pixels with the least sum over terms |I(x + offset) - colour|^2, offsets
-  // rounded to 1/P pixel (in layers from 1 on, to 1/2 when P > 2). Tileable: wrapped, all places;
-  // else only where every term stays inside the image; places where a term or the place itself
-  // falls on a transparent texel are skipped. Ties: smallest y, then x. All paths give the same
-  // result; one that this processor lacks is replaced by its best. At most 2^16 terms.
+  // The place x over all pixels with the least sum over terms |I(x + offset) - colour|^2 (and,
+  // where the swatch has a relief, of it likewise), offsets rounded to 1/P pixel (in layers from 1
+  // on, to 1/2 when P > 2). Tileable: wrapped, all places; else only where every term stays inside
+  // the image; places where a term or the place itself falls on a transparent texel are skipped.
+  // Ties: smallest y, then x. All paths give the same result; one that this processor lacks is
+  // replaced by its best. At most 2^16 terms.
   SearchResult search(std::span<const SearchTerm> terms, SimdPath path) const;
   SearchResult search(std::span<const SearchTerm> terms) const;  // on the best path
 

@@ -9,14 +9,14 @@
 
 namespace dapple {
 
-// r, g, b, 0.
+// r, g, b and, of a swatch that has one, its relief; else 0.
 using Float4 = float __attribute__((vector_size(16)));
 
-inline Float4 toFloat4(vec3 c) {
-  return Float4{c.x, c.y, c.z, 0};
+inline Float4 toFloat4(vec3 c, float relief = 0) {
+  return Float4{c.x, c.y, c.z, relief};
 }
 inline float sumOf(Float4 v) {
-  return (v[0] + v[1]) + v[2];
+  return ((v[0] + v[1]) + v[2]) + v[3];
 }
 
 // Colours wanted around a place, a column for each number.
@@ -71,6 +71,13 @@ class TexelReader {
     return swatch_->hasHoles ? usableTexel(*swatch_, {x + 0.5f, y + 0.5f}) : true;
   }
 
+  // 0 without a relief; of the nearest place inside.
+  float relief(vec2 place) const {
+    if (!hasRelief_) return 0;
+    if (!tileable_) place = glm::clamp(place, vec2(0), vec2(lastX_, lastY_));
+    return read(place.x, place.y)[3];
+  }
+
   // Colour at a place; wrapped when tileable, else the place must be inside.
   Float4 read(float x, float y) const {
     int column = static_cast<int>(x), row = static_cast<int>(y);
@@ -108,7 +115,7 @@ class TexelReader {
 
   const Swatch* swatch_;
   int width_, height_;
-  bool tileable_;
+  bool tileable_, hasRelief_;
   float lastX_, lastY_;
   std::vector<Float4> texels_;  // (w + 1) x (h + 1), the last ones repeat
 };

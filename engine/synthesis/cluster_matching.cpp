@@ -48,7 +48,7 @@ bool ClusterMatcher::matchTurned(const ClusterBorder& border, float angle,
   for (std::size_t c = 0; c < count; ++c) {
     const BorderSample& sample = border.samples[c * border.samples.size() / count];
     const Float4 colour = reader_.read(sample.texel.x - 0.5f, sample.texel.y - 0.5f);
-    terms.push_back({out.turn(sample.place), {colour[0], colour[1], colour[2]}});
+    terms.push_back({out.turn(sample.place), {colour[0], colour[1], colour[2]}, 0, colour[3]});
   }
   if (!swatch_.tileable) keepInside(swatch_, box, count, terms);
   if (terms.empty()) return false;
@@ -56,7 +56,7 @@ bool ClusterMatcher::matchTurned(const ClusterBorder& border, float angle,
   if (!found.found) return false;
   WantedTexels wanted;
   for (std::size_t t = 0; t < std::min(count, terms.size()); ++t)
-    wanted.add(terms[t].offset, toFloat4(terms[t].colour));
+    wanted.add(terms[t].offset, toFloat4(terms[t].colour, terms[t].relief));
   const auto errorAt = [&](vec2 place, float bound) {
     if (clampedPlacement(swatch_, box, place + 0.5f) != place + 0.5f) return kInfinity;
     return reader_.differences(place, {wanted, 0, wanted.size()}, bound);

@@ -146,8 +146,9 @@ void GridMatcher::addTerms(Scratch& scratch) const {
     const GridPoint& point = scratch.grid.points()[p];
     if (!known_[point.id]) continue;
     const vec3 colour = map_.colour[point.id];
-    scratch.terms.push_back({point.offset, colour});
-    scratch.wanted.add(point.offset, toFloat4(colour));
+    const float relief = reader_.relief(map_.texel[point.id] - 0.5f);
+    scratch.terms.push_back({point.offset, colour, 0, relief});
+    scratch.wanted.add(point.offset, toFloat4(colour, relief));
   }
 }
 
@@ -196,7 +197,7 @@ GridMatcher::Place GridMatcher::nearlyFitting(Scratch& scratch) const {
     });
     scratch.wanted.clear();
     for (const SearchTerm& term : scratch.terms)
-      scratch.wanted.add(term.offset, toFloat4(term.colour));
+      scratch.wanted.add(term.offset, toFloat4(term.colour, term.relief));
     if (scratch.terms.empty()) break;
     const Place found = searched(scratch);
     if (found.error < kInfinity || half == 0) return found;

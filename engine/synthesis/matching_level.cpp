@@ -139,8 +139,9 @@ void MatchingLevel::addCandidates(std::size_t count, MatchScratch& scratch) cons
   }
 }
 
-// Terms and predictions of scratch.near.
-void MatchingLevel::addTerms(const MatchSite& from, MatchScratch& scratch) const {
+// Terms, which `reader` is to read, and predictions of scratch.near.
+void MatchingLevel::addTerms(const MatchSite& from, const TexelReader& reader,
+                             MatchScratch& scratch) const {
   SiteBlock& block = scratch.block;
   for (std::size_t begin = 0; begin < scratch.near.size(); begin += SiteBlock::kSize) {
     const std::size_t count = std::min(SiteBlock::kSize, scratch.near.size() - begin);
@@ -150,7 +151,8 @@ void MatchingLevel::addTerms(const MatchSite& from, MatchScratch& scratch) const
     for (std::size_t a = 0; a < count; ++a) {
       if (block.seen[a] == 0) continue;
       if (!(std::abs(block.x[a]) <= reach_ && std::abs(block.y[a]) <= reach_)) continue;
-      scratch.terms.add({block.x[a], block.y[a]}, toFloat4(near[a]->colour));
+      scratch.terms.add({block.x[a], block.y[a]},
+                        toFloat4(near[a]->colour, reader.relief(near[a]->place)));
     }
     addCandidates(count, scratch);
   }
@@ -169,7 +171,7 @@ void MatchingLevel::gather(Index i, MatchScratch& scratch) const {
     known += sites_[j].known ? 1 : 0;
   }
   scratch.near.resize(known);
-  addTerms(sites_[i], scratch);
+  addTerms(sites_[i], reader_, scratch);
   scratch.fineTerms = scratch.terms.size();
   if (in_.coarse == nullptr) return;
   // All distinct parents of the neighbourhood, nearest first; their colours are finished.
@@ -182,7 +184,7 @@ void MatchingLevel::gather(Index i, MatchScratch& scratch) const {
   };
   addParent(in_.parent[i]);
   for (Index j : ids) addParent(in_.parent[j]);
-  addTerms(sites_[i], scratch);
+  addTerms(sites_[i], *coarseReader_, scratch);
 }
 
 // Sum over terms of squared differences; infinite where a term falls outside, anything above
@@ -200,7 +202,7 @@ bool MatchingLevel::searchEverywhere(MatchScratch& scratch, vec2& place) const {
   for (std::size_t t = 0; t < scratch.terms.size(); ++t) {
     const Float4& c = scratch.terms.colour(t);
     scratch.search.push_back(
-        {scratch.terms.offset(t), {c[0], c[1], c[2]}, t < scratch.fineTerms ? 0 : 1});
+        {scratch.terms.offset(t), {c[0], c[1], c[2]}, t < scratch.fineTerms ? 0 : 1, c[3]});
   }
   const SearchResult result = search_->search(scratch.search);
   place = result.texel - 0.5f;
@@ -253,7 +255,8 @@ MatchChoice MatchingLevel::match(Index i, const MatchRules& rules, MatchScratch&
         scratch.candidates.empty() ? randomPlace(i, 0) : scratch.candidates.front().place;
     best = 0;
   }
-  const auto samples = static_cast<float>(3 * std::max<std::size_t>(1, scratch.terms.size()));
+  const std::size_t numbers = in_.swatch.relief.empty() ? 3 : 4;
+  const auto samples = static_cast<float>(numbers * std::max<std::size_t>(1, scratch.terms.size()));
   choice.error = best / samples;
   return choice;
 }

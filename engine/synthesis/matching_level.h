@@ -103,7 +103,7 @@ class MatchingLevel {
 
  private:
   void gather(Index i, MatchScratch& scratch) const;
-  void addTerms(const MatchSite& from, MatchScratch& scratch) const;
+  void addTerms(const MatchSite& from, const TexelReader& reader, MatchScratch& scratch) const;
   void addCandidates(std::size_t count, MatchScratch& scratch) const;
   float errorAt(vec2 place, float bound, const MatchScratch& scratch) const;
   bool searchEverywhere(MatchScratch& scratch, vec2& place) const;

@@ -127,7 +127,8 @@ class Placer {
       const ChartSite& other = overlap_.site[m.other];
       const vec2 texel = other.q + map_.placement[other.patch];
       if (!usableTexel(input_.swatch, wrapTexel(input_.swatch, texel))) continue;
-      out.push_back({overlap_.site[m.own].q, sampleSwatch(input_.swatch, texel)});
+      out.push_back({overlap_.site[m.own].q, sampleSwatch(input_.swatch, texel), 0,
+                     sampleRelief(input_.swatch, texel)});
     }
     if (!input_.swatch.tileable && !out.empty())
       keepInside(input_.swatch, boxes_[patch], kTerms, out);

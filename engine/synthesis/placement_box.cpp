@@ -28,10 +28,11 @@ void keepInside(const Swatch& swatch, const PlacementBox& box, std::size_t most,
   const std::size_t count = terms.size();
   if (count == 0) return;
   while (terms.size() < most) terms.push_back(terms[terms.size() % count]);
-  vec3 mean(0);
-  for (const SearchTerm& term : terms) mean += term.colour;
+  glm::vec4 mean(0);
+  for (const SearchTerm& term : terms) mean += glm::vec4(term.colour, term.relief);
   mean = mean / static_cast<float>(terms.size());
-  for (const vec2 corner : {roomy.low, roomy.high}) terms.push_back({corner, mean});
+  for (const vec2 corner : {roomy.low, roomy.high})
+    terms.push_back({corner, vec3(mean), 0, mean.w});
 }
 
 vec2 clampedPlacement(const Swatch& swatch, const PlacementBox& box, vec2 placement) {

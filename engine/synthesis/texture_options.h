@@ -46,6 +46,7 @@ struct TextureOptions {
   int gridNeighbours = 0;
   int passes = 1;
   double repair = 3;
+  double heightWeight = 0.5;
   Tileable tileable = Tileable::Auto;
   vec3 up{0, 1, 0};  // model axes
   FieldMethod field = FieldMethod::Smooth;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/errors.h"
+#include "swatch/swatch_relief.h"
 #include "synthesis/coordinate_grid.h"
 #include "synthesis/coordinate_relaxation.h"
 #include "synthesis/coordinate_synthesis.h"
@@ -134,6 +135,10 @@ Repeated repeated(const Swatch& swatch, std::uint64_t seed, Monitor& monitor) {
     image.pixels.insert(image.pixels.end(), {colour.r, colour.g, colour.b});
   }
   out.swatch = makeSwatch(image, Tileable::Yes, static_cast<int>(swatch.stack.size()), {});
+  if (swatch.relief.empty()) return out;
+  std::vector<float> relief;
+  for (const Place place : out.places) relief.push_back(sampleRelief(swatch, texelOf(place)));
+  setRelief(out.swatch, std::move(relief));
   return out;
 }
 
