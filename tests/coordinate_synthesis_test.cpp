@@ -173,7 +173,7 @@ TEST_CASE("ways there and back are the same, and quarters are counted") {
     const TangentFrame f = scan.frames[i];
     if (hashBelow(2, 1, i) == 0) turned.frames[i] = {f.t, -f.s, f.n};  // a quarter to the left
   }
-  const SurfaceWays plain(scan.input(swatch, 0.03f)), mixed(turned.input(swatch, 0.03f));
+  const SiteWays plain(scan.input(swatch, 0.03f)), mixed(turned.input(swatch, 0.03f));
   for (Index i = 0; i < 3000; ++i) {
     if (std::abs(scan.points.positions[i].y) > 0.8f) continue;  // frames spin at the poles
     for (const Index j : scan.neighborhoods.of(i)) {
@@ -301,7 +301,7 @@ TEST_CASE("the swatch keeps its scale where the density changes") {
     // Links that are copied as they are: most of them, on both sides.
     double copied[2] = {}, all[2] = {};
     const SynthesisInput input = scan.input(swatch, unit);
-    const SurfaceWays ways(input);
+    const SiteWays ways(input);
     for (Index i = 0; i < scan.points.size(); ++i)
       for (const Index j : scan.neighborhoods.of(i).first(4)) {
         vec2 d = map.texel[j] - map.texel[i] - ways.between(i, j).pixels;

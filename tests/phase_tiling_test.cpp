@@ -125,7 +125,7 @@ float misfit(vec2 way) {
 double seamError(const Scan& scan, const Swatch& swatch, const SourceMap& map,
                  const std::vector<std::uint8_t>& chosen) {
   const SynthesisInput input = scan.input(swatch);
-  const SurfaceWays ways(input);
+  const SiteWays ways(input);
   double sum = 0, count = 0;
   for (Index i = 0; i < scan.points.size(); ++i) {
     if (!chosen[i]) continue;

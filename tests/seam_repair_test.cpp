@@ -70,7 +70,7 @@ void blendSeam(TwoPatches& scene) {
 
 // Links to the eight nearest, of points left of x, that the swatch does not go on along.
 std::size_t broken(const TwoPatches& scene, float x) {
-  const SurfaceWays ways(scene.input);
+  const SiteWays ways(scene.input);
   const vec2 size(scene.swatch.width, scene.swatch.height);
   std::size_t count = 0;
   for (Index i = 0; i < scene.points.size(); ++i) {

@@ -50,7 +50,7 @@ class PhaseField {
   const SynthesisInput& in_;
   std::span<const SurfaceLevel> surface_;
   PhaseOptions options_;
-  SurfaceWays ways_;
+  SiteWays ways_;
   Links links_;
   std::vector<vec2> phase_[2];  // n_l: unit complex numbers along x and y
 };

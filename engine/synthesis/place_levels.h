@@ -46,7 +46,7 @@ class PlaceLevels {
   std::span<const SurfaceLevel> surface_;
   PlaceTask task_;
   PlaceDomain domain_;
-  SurfaceWays ways_;
+  SiteWays ways_;
   std::size_t level_;
   std::vector<Place> places_;
 };

@@ -38,7 +38,7 @@ class PlaceLinks {
   // By how much j's place is not where that of i goes on; nothing where they look away from each
   // other.
   std::optional<vec2> misfit(Index i, Index j) const {
-    const SurfaceWays::Offset offset = ways_.between(i, j);
+    const SiteWays::Offset offset = ways_.between(i, j);
     if (!offset.seen) return std::nullopt;
     if (offset.quarters != 0) return vec2(kTurned);
     vec2 d = texel_[j] - texel_[i] - offset.pixels;
@@ -54,7 +54,7 @@ class PlaceLinks {
 
   const SynthesisInput& input_;
   const std::vector<vec2>& texel_;
-  SurfaceWays ways_;
+  SiteWays ways_;
   std::size_t count_;
 };
 

@@ -146,7 +146,7 @@ struct alignas(64) NearFrames {
     unit[count] = input.unitAt(to);
     ++count;
   }
-  SurfaceWays::Offset offset(std::size_t a) const {
+  SiteWays::Offset offset(std::size_t a) const {
     return {seen[a] != 0, {pixelsX[a], pixelsY[a]}, quarters[a]};
   }
 };
@@ -251,15 +251,15 @@ std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, M
   return out;
 }
 
-SurfaceWays::Offset SurfaceWays::between(Index from, Index to) const {
+SiteWays::Offset SiteWays::between(Index from, Index to) const {
   NearFrames near{};
   near.add(in_, from, to);
   findOffsets(near, in_.frames[from], in_.unitAt(from));
   return near.offset(0);
 }
 
-SiteLevel SurfaceWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
-                               std::span<const std::uint8_t> open, Monitor& monitor) const {
+SiteLevel SiteWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,
+                            std::span<const std::uint8_t> open, Monitor& monitor) const {
   const Neighborhoods& near = nearOf(surface, in_);
   SiteLevel out{.level = surface.level,
                 .size = near.size(),

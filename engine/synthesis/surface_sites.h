@@ -33,9 +33,9 @@ float siteLevel(float spacing, float unit);
 std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, Monitor& monitor);
 
 // The ways between points, and what lies apart.
-class SurfaceWays {
+class SiteWays {
  public:
-  explicit SurfaceWays(const SynthesisInput& input) : in_(input) {}
+  explicit SiteWays(const SynthesisInput& input) : in_(input) {}
 
   struct Offset {
     bool seen = false;  // false: they face away from each other, or lie above each other

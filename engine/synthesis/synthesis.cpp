@@ -118,8 +118,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   input.follow = options.follow && options.field != FieldMethod::Random;
   input.symmetry = foldsOf(options.symmetry);
   const std::size_t n = input.points.size();
-  // Made once, for the method and for its repair.
-  std::vector<vec3> chart;
+  std::vector<vec3> chart;  // made once, for the method and for its repair
   if (repairs(options) && charts(options) && !input.chart) {
     chart = smoothedPositions(input.points, input.neighborhoods, monitor);
     input.chart = &chart;

@@ -55,7 +55,7 @@ class Tiling {
  private:
   // Every point as its ancestor on level l has it.
   void preview(std::size_t l) {
-    const SurfaceWays ways(in_);
+    const SiteWays ways(in_);
     std::vector<vec2> texel = texel_;
     for (std::size_t m = l; m-- > 0;) {
       const SurfaceLevel &fine = surface_[m], &above = surface_[m + 1];
