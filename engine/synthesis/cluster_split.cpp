@@ -83,7 +83,7 @@ std::vector<std::vector<Index>> ClusterSplitter::split(std::span<const Index> cl
   open(cluster);
   const PartGraph part = partGraph(points_, graph_, cluster, local_);
   close(cluster);
-  SiteWays ways({part.points, part.near}, part.lengths);
+  SurfaceWays ways({part.points, part.near}, part.lengths);
   std::size_t seed = 0, count = 0;
   do {
     ways.add(static_cast<Index>(seed), static_cast<Index>(count++));
