@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <span>
 
 #include "base/hash_rng.h"
@@ -220,36 +221,55 @@ DAPPLE_CLONES void projectRow(const Samples<4>& samples, const TapTable<4>& tabl
   projectTexels(samples, table, centre, out);
 }
 
+// The first of the samples that appearances are made of, of a row of these.
 template <int Colours>
-std::vector<Appearance> project(const Samples<Colours>& samples,
-                                const Projection<Colours>& projection, int quarters,
+const glm::vec<Colours, float>* rowOf(const Samples<Colours>& samples, std::size_t y) {
+  const auto border = static_cast<std::size_t>(samples.border);
+  return samples.colours.data() + (y + border) * static_cast<std::size_t>(samples.stride) + border;
+}
+
+template <int Colours>
+std::vector<Appearance> project(const Samples<Colours>& samples, const TapTable<Colours>& table,
                                 const AppearanceLevel& out, Monitor& monitor) {
-  const TapTable<Colours> table = tapTable(projection, quarters);
   const auto rows = static_cast<std::size_t>(out.rows),
              stride = static_cast<std::size_t>(out.stride);
   std::vector<Appearance> all(rows * stride);
   parallelFor(monitor, rows, kRowGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) {
-      const auto* centre = samples.colours.data() +
-                           (y + static_cast<std::size_t>(samples.border)) *
-                               static_cast<std::size_t>(samples.stride) +
-                           samples.border;
-      projectRow(samples, table, centre, {&all[y * stride], stride});
-    }
+    for (std::size_t y = begin; y < end; ++y)
+      projectRow(samples, table, rowOf(samples, y), {&all[y * stride], stride});
   });
   return all;
 }
+
+template <int Colours>
+struct TurnedLooks {
+  Samples<Colours> samples;
+  std::array<TapTable<Colours>, 3> tables;  // by quarters - 1
+  std::int32_t stride;                      // of the appearances
+
+  Appearance at(std::int32_t index, int quarters) const {
+    Appearance out;
+    const auto* row = rowOf(samples, static_cast<std::size_t>(index / stride));
+    projectRow(samples, tables[static_cast<std::size_t>(quarters - 1)], row + index % stride,
+               {&out, 1});
+    return out;
+  }
+};
 
 // What of a level its geometry is filled with.
 template <int Colours>
 void fillSamples(const Swatch& swatch, int perStep, bool turned, AppearanceLevel& out,
                  Monitor& monitor) {
-  const Samples<Colours> samples = sampleLevel<Colours>(swatch, out, perStep, monitor);
+  Samples<Colours> samples = sampleLevel<Colours>(swatch, out, perStep, monitor);
   const Projection<Colours> projection = principalComponents(samples, PlaceDomain(swatch), out);
   out.unit = projection.unit * std::sqrt(3.f);
-  out.samples = project(samples, projection, 0, out, monitor);
-  for (int q = 1; turned && q < 4; ++q)
-    out.turned[static_cast<std::size_t>(q - 1)] = project(samples, projection, q, out, monitor);
+  out.samples = project(samples, tapTable(projection, 0), out, monitor);
+  if (!turned) return;
+  const auto looks = std::make_shared<TurnedLooks<Colours>>(TurnedLooks<Colours>{
+      std::move(samples),
+      {tapTable(projection, 1), tapTable(projection, 2), tapTable(projection, 3)},
+      out.stride});
+  out.turned = [looks](std::int32_t index, int quarters) { return looks->at(index, quarters); };
 }
 
 }  // namespace

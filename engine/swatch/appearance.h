@@ -3,7 +3,7 @@
 // step apart, and their relief where there is one, projected on their eight principal components.
 #pragma once
 
-#include <array>
+#include <functional>
 #include <vector>
 
 #include "base/monitor.h"
@@ -89,9 +89,9 @@ struct AppearanceLevel {
   std::int32_t margin = 0;  // samples left of, and above, that of place (0, 0)
   float unit = 1;           // appearance numbers of a difference of 1 in all colours
   std::vector<Appearance> samples;
-  // The same of the swatch turned by 1, 2 and 3 quarters, as the unturned one would look beside it;
-  // empty when not asked for.
-  std::array<std::vector<Appearance>, 3> turned;
+  // A sample of the swatch turned by 1, 2 or 3 quarters, as the unturned one would look beside it:
+  // made when asked for, as few are. Null when the level was made without.
+  std::function<Appearance(std::int32_t index, int quarters)> turned;
 
   std::int32_t indexOf(Place place) const {
     return ((place.y >> shift) + margin) * stride + (place.x >> shift) + margin;

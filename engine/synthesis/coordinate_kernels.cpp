@@ -54,8 +54,7 @@ struct alignas(64) NearColumns {
     if (const int quarters = quartersOf(way); quarters != 0) [[unlikely]] {
       near.open[count] = near.predicts[count] = 0;
       near.placeX[count] = own.x, near.placeY[count] = own.y;
-      const auto& turned = u.appearance.turned[static_cast<std::size_t>(quarters - 1)];
-      near.look[count] = turned[static_cast<std::size_t>(u.appearance.indexOf(place))];
+      near.look[count] = u.appearance.turned(u.appearance.indexOf(place), quarters);
     }
     ++count;
   }
