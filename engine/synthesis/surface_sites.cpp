@@ -123,16 +123,17 @@ int firstLevel(const SynthesisInput& input) {
   return std::max(0, static_cast<int>(std::floor(std::log2(quantile(spacing, 0.25)) + 0.3f)));
 }
 
-// Of a site and its neighbours, in columns: what of them their offsets depend on.
+// Of a site and up to N neighbours, in columns: what of them their offsets depend on.
+template <std::size_t N>
 struct alignas(64) NearFrames {
-  float wayX[kMostNear], wayY[kMostNear], wayZ[kMostNear];  // to the neighbour, local units
-  float sX[kMostNear], sY[kMostNear], sZ[kMostNear];
-  float tX[kMostNear], tY[kMostNear], tZ[kMostNear];
-  float facing[kMostNear];  // cosine of the angle between both normals
-  float unit[kMostNear];
+  float wayX[N], wayY[N], wayZ[N];  // to the neighbour, local units
+  float sX[N], sY[N], sZ[N];
+  float tX[N], tY[N], tZ[N];
+  float facing[N];  // cosine of the angle between both normals
+  float unit[N];
   // Found:
-  float pixelsX[kMostNear], pixelsY[kMostNear];
-  std::int32_t quarters[kMostNear], seen[kMostNear];
+  float pixelsX[N], pixelsY[N];
+  std::int32_t quarters[N], seen[N];
   std::size_t count = 0;
 
   void add(const SynthesisInput& input, Index from, Index to) {
@@ -152,9 +153,10 @@ struct alignas(64) NearFrames {
 };
 
 // The offsets of all neighbours at once; lanes beyond the last one hold anything.
-[[gnu::always_inline]] inline void findOffsets(NearFrames& near, const TangentFrame& own,
+template <std::size_t N>
+[[gnu::always_inline]] inline void findOffsets(NearFrames<N>& near, const TangentFrame& own,
                                                float unit) {
-  for (std::size_t a = 0; a < kMostNear; ++a) {
+  for (std::size_t a = 0; a < N; ++a) {
     const float vx = near.wayX[a], vy = near.wayY[a], vz = near.wayZ[a];
     // (cos, sin) of the angle from own axes to the neighbour's, carried from its plane to the own
     // one by the least rotation, times 1 + facing.
@@ -202,7 +204,7 @@ struct SiteRows {
 // The ways from sites begin..end to their neighbours, none from those that are not open; whether
 // some have quarters.
 DAPPLE_CLONES bool writeWays(const SiteRows& rows, std::size_t begin, std::size_t end, Way* ways) {
-  NearFrames near{};
+  NearFrames<kMostNear> near{};
   bool turned = false;
   for (std::size_t i = begin; i < end; ++i, ways += rows.k) {
     const Index point = pointAt(rows.surface, i);
@@ -252,7 +254,7 @@ std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, M
 }
 
 SiteWays::Offset SiteWays::between(Index from, Index to) const {
-  NearFrames near{};
+  NearFrames<1> near{};
   near.add(in_, from, to);
   findOffsets(near, in_.frames[from], in_.unitAt(from));
   return near.offset(0);
