@@ -23,7 +23,6 @@
 
 #include "base/errors.h"
 #include "base/scratch_pool.h"
-#include "points/normals.h"
 #include "points/tangent_frames.h"
 #include "swatch/swatch_search.h"
 #include "swatch/texel_reader.h"
@@ -334,12 +333,8 @@ std::size_t gridPasses(const GridOptions& options) {
 GridStatistics matchGrid(const SynthesisInput& input, const GridOptions& options, SourceMap& map,
                          Monitor& monitor) {
   validate(input, options, map);
-  const std::vector<vec3> chart =
-      input.chart ? std::vector<vec3>()
-                  : smoothedPositions(input.points, input.neighborhoods, monitor);
-  SynthesisInput charted = input;
-  if (!input.chart) charted.chart = &chart;
-  return GridMatcher(charted, options, map, monitor).run();
+  const ChartedInput charted(input, true, monitor);
+  return GridMatcher(charted.get(), options, map, monitor).run();
 }
 
 }  // namespace dapple

@@ -10,7 +10,6 @@
 
 #include "base/errors.h"
 #include "points/bucket_queue.h"
-#include "points/normals.h"
 #include "synthesis/chart_fit.h"
 #include "synthesis/patch_overlap.h"
 #include "synthesis/patch_placement.h"
@@ -130,17 +129,12 @@ HybridStatistics synthesizeHybrid(const SynthesisInput& input, const HybridOptio
                                   SourceMap& map, Monitor& monitor) {
   validate(options);
   HybridStatistics statistics;
-  std::vector<vec3> chart;
-  SynthesisInput charted = input;
-  if (!input.chart && options.patches.smooth) {
-    chart = smoothedPositions(input.points, input.neighborhoods, monitor);
-    charted.chart = &chart;
-  }
-  statistics.patches = growPatches(charted, options.patches, map, monitor);
+  const ChartedInput charted(input, options.patches.smooth, monitor);
+  statistics.patches = growPatches(charted.get(), options.patches, map, monitor);
   if (options.gaps == GapFill::Match)
-    fillByMatching(charted, options, map, statistics, monitor);
+    fillByMatching(charted.get(), options, map, statistics, monitor);
   else
-    fillByCutting(charted, options, map, statistics, monitor);
+    fillByCutting(charted.get(), options, map, statistics, monitor);
   return statistics;
 }
 

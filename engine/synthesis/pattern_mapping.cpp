@@ -23,7 +23,6 @@
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
-#include "points/normals.h"
 #include "synthesis/cluster_chart.h"
 #include "synthesis/cluster_matching.h"
 #include "synthesis/cluster_split.h"
@@ -380,12 +379,8 @@ MappingStatistics mapPattern(const SynthesisInput& input, const MappingOptions& 
                              SourceMap& map, Monitor& monitor) {
   DAPPLE_CHECK(input.unit, >, 0);
   DAPPLE_CHECK(map.state.size(), ==, input.points.size());
-  const std::vector<vec3> chart =
-      input.chart ? std::vector<vec3>()
-                  : smoothedPositions(input.points, input.neighborhoods, monitor);
-  SynthesisInput charted = input;
-  if (!input.chart) charted.chart = &chart;
-  return Mapper(charted, options, map, monitor).run();
+  const ChartedInput charted(input, true, monitor);
+  return Mapper(charted.get(), options, map, monitor).run();
 }
 
 }  // namespace dapple

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/errors.h"
-#include "points/normals.h"
 #include "synthesis/baselines.h"
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/grid_matching.h"
@@ -113,16 +112,13 @@ float shownLevel(Method method, float spacing, float unit) {
 
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
                            Monitor& monitor) {
-  SynthesisInput input = given;
+  SynthesisInput asked = given;
   // Random directions are no field: each patch takes the one where it starts.
-  input.follow = options.follow && options.field != FieldMethod::Random;
-  input.symmetry = foldsOf(options.symmetry);
+  asked.follow = options.follow && options.field != FieldMethod::Random;
+  asked.symmetry = foldsOf(options.symmetry);
+  const ChartedInput charted(asked, repairs(options) && charts(options), monitor);
+  const SynthesisInput& input = charted.get();
   const std::size_t n = input.points.size();
-  std::vector<vec3> chart;  // made once, for the method and for its repair
-  if (repairs(options) && charts(options) && !input.chart) {
-    chart = smoothedPositions(input.points, input.neighborhoods, monitor);
-    input.chart = &chart;
-  }
   monitor.begin(Stage::Synthesis, n, passesOf(options));
   SynthesisResult result{.map = input.kept ? *input.kept : emptySourceMap(n, input.unit)};
   result.map.scale.assign(input.scale.begin(), input.scale.end());

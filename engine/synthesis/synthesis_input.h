@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "base/monitor.h"
 #include "points/neighborhoods.h"
 #include "points/point_set.h"
 #include "swatch/swatch.h"
@@ -34,6 +35,21 @@ struct SynthesisInput {
   bool isKept(std::size_t i) const { return kept && kept->state[i] != PointState::Free; }
   // The first patches of a map, which stay where they are in the swatch.
   std::size_t keptPatches() const { return kept ? kept->placement.size() : 0; }
+};
+
+// The input with points charted where smoothing takes them to lie, unless it says where or they are
+// to be taken where they are. Refers to what `given` does. Throws Cancelled.
+class ChartedInput {
+ public:
+  ChartedInput(const SynthesisInput& given, bool smooth, Monitor& monitor);
+  ChartedInput(const ChartedInput&) = delete;
+  ChartedInput& operator=(const ChartedInput&) = delete;
+
+  const SynthesisInput& get() const { return input_; }
+
+ private:
+  std::vector<vec3> chart_;
+  SynthesisInput input_;
 };
 
 }  // namespace dapple
