@@ -19,10 +19,12 @@
 #include "document/region_synthesis.h"
 #include "io/ply.h"
 #include "tests/fixtures.h"
+#include "timing.h"
 
 namespace {
 
 using namespace dapple;
+using bench::medianSeconds;
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
@@ -32,17 +34,6 @@ double secondsSince(Clock::time_point start) {
 // Of all threads: what a busy machine does not change much.
 double cpuSeconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double medianSeconds(int runs, const std::function<void()>& work) {
-  std::vector<double> seconds;
-  for (int r = 0; r <= runs; ++r) {  // the first is not counted
-    const auto start = Clock::now();
-    work();
-    if (r > 0) seconds.push_back(secondsSince(start));
-  }
-  std::sort(seconds.begin(), seconds.end());
-  return seconds[seconds.size() / 2];
 }
 
 void print(const std::string& what, double seconds, const std::string& target = "") {
