@@ -467,6 +467,24 @@ TEST_CASE("in a cut border each point shows one of both patterns, at the rims it
   }
 }
 
+TEST_CASE("a cut does not do away with a narrow region") {
+  const TestFolder folder;
+  Document d = halves(folder, 0);
+  const std::vector<float> distance = distanceToOther(d);
+  std::vector<Index> far;  // all of region 1 but a strip of some seven spacings
+  for (Index i = 0; i < d.size(); ++i)
+    if ((*d.labels)[i] == 1 && distance[i] > 7) far.push_back(i);
+  std::size_t strip = 0;
+  for (Index i = 0; i < d.size(); ++i) strip += (*d.labels)[i] == 1 && distance[i] <= 7;
+  REQUIRE(far.size() > 50);
+  REQUIRE(strip > 50);
+  d = applied(applied(d, Select{.points = far}), AssignSelection{.region = 0});
+  d = applied(withBorders(d, 32, BorderKind::Cut), Synthesize{});
+  std::size_t own = 0;
+  for (Index i = 0; i < d.size(); ++i) own += (*d.labels)[i] == 1 && otherWeight(d, i) == 0;
+  CHECK(own > strip / 4);
+}
+
 TEST_CASE("a new region's border is cut, and a blend or a hard one of its neighbour counts first") {
   const TestFolder folder;
   const Document d = applied(withBorders(halves(folder, 0), 8, BorderKind::Cut), BlendBorders{});

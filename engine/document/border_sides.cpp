@@ -76,6 +76,35 @@ std::array<std::vector<Index>, BorderSides::kRegions> BorderSides::rims(Monitor&
   return out;
 }
 
+void BorderSides::spareNarrow(RegionId region, std::span<const float> distance, Halo& halo) const {
+  const Neighborhoods& all = document_.scan->prepared.neighborhoods;
+  const std::size_t links = linksOf(all);
+  std::vector<std::uint8_t> waits(document_.size(), 0);
+  for (const Index i : halo.points) waits[i] = kind(region, of(i)) == BorderKind::Cut;
+  std::vector<std::uint8_t> reached = waits, spared(document_.size(), 0);
+  std::vector<Index> part;
+  for (const Index start : halo.points) {
+    if (!waits[start]) continue;
+    bool whole = true;
+    float deepest = 0;
+    part.assign(1, start);
+    waits[start] = 0;
+    for (std::size_t p = 0; p < part.size(); ++p) {
+      deepest = std::max(deepest, distance[part[p]]);
+      for (const Index j : all.of(part[p]).first(links)) {
+        if (of(j) != of(start)) continue;
+        whole = whole && reached[j];
+        if (!waits[j]) continue;
+        waits[j] = 0;
+        part.push_back(j);
+      }
+    }
+    if (!whole) continue;
+    for (const Index i : part) spared[i] = distance[i] > deepest / 2;
+  }
+  std::erase_if(halo.points, [&](Index i) { return spared[i] != 0; });
+}
+
 BorderSides::Halo BorderSides::haloOf(RegionId region, std::span<const Index> rim,
                                       Monitor& monitor) const {
   const PreparedScan& prepared = document_.scan->prepared;
@@ -87,6 +116,7 @@ BorderSides::Halo BorderSides::haloOf(RegionId region, std::span<const Index> ri
   for (Index i = 0; i < document_.size(); ++i)
     if (takesPart(i) && of(i) != region && distance[i] - half < reach(region, of(i)))
       halo.points.push_back(i);
+  spareNarrow(region, distance, halo);
   std::sort(halo.points.begin(), halo.points.end(), [&](Index a, Index b) {
     return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
   });

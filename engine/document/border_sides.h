@@ -34,7 +34,8 @@ class BorderSides {
   std::array<std::vector<Index>, kRegions> rims(Monitor& monitor) const;
 
   // Points of other regions that a region's pattern reaches, nearest first, and how far inside of
-  // their own they lie.
+  // their own they lie. Where borders are cut, the inner half of what it would reach as a whole is
+  // left out: the cheapest cut around a narrow region is none.
   struct Halo {
     std::vector<Index> points;
     std::vector<float> inside;  // local units from the border
@@ -44,6 +45,7 @@ class BorderSides {
 
  private:
   bool usable(std::size_t i) const;
+  void spareNarrow(RegionId region, std::span<const float> distance, Halo& halo) const;
 
   const Document& document_;
   std::vector<bool> takesPart_;

@@ -1,9 +1,8 @@
 // Departures from methods 3.4:
 // - a site whose neighbours all predict the place that it has keeps it without looking at the
 //   swatch; most sites of fine levels do;
-// - where predictions lead out of a swatch that does not tile, places that look like the
-// neighbour's
-//   are continued instead; random ones gain nothing;
+// - where predictions lead out of a swatch that does not tile, places that look like those of the
+//   neighbours are continued instead; random ones gain nothing;
 // - the mean of predictions that nearly agree is tried as well: what the directions stretch or turn
 //   is spread over many sites in place of breaks.
 #include "synthesis/coordinate_kernels.h"
