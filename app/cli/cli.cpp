@@ -117,6 +117,23 @@ void addDrawingOptions(CLI::App& app, DrawingArguments& arguments) {
       ->capture_default_str();
 }
 
+void addExportOptions(CLI::App& app, ExportScan& command) {
+  ExportOptions& options = command.options;
+  app.add_option(
+         "-o,--output", command.path,
+         "textured scan to write: .ply with all columns; .obj with colours and, of a mesh, texture "
+         "coordinates; .xyz with colours")
+      ->required();
+  app.add_flag("--ascii", command.ascii, "write the PLY as text");
+  app.add_flag("--source-map", options.sourceMap,
+               "also write swatch, texel, frame, patch, state, error and order of every point");
+  app.add_flag("--texture-coordinates,!--no-texture-coordinates", options.corners,
+               "where in the swatch the corners of a mesh's faces lie (PLY: texcoord; "
+               "OBJ: vt, with the swatch in a .mtl file beside it) [on]");
+  app.add_flag("--keep-colours", options.keepColours,
+               "keep the scan's own colours as original_red, original_green, original_blue");
+}
+
 void addStrokesOption(CLI::App& app, std::string& path) {
   app.add_option("--strokes", path,
                  "lines over the surface along which the swatch's top points: JSON, or a Dapple "
@@ -139,12 +156,13 @@ int runCommandLine(int argc, char** argv) {
   CLI::App app{"Dapple textures point-sampled scans by example.", "dapple"};
   app.set_version_flag("--version", DAPPLE_VERSION);
   app.require_subcommand(1);
-  std::vector<CommonOptions> common(8);
+  std::vector<CommonOptions> common(9);
   const std::vector<Subcommand> commands{
       addTextureCommand(app, common[0]), addInfoCommand(app, common[1]),
       addRenderCommand(app, common[2]),  addScoreCommand(app, common[3]),
       addFieldCommand(app, common[4]),   addSynth2dCommand(app, common[5]),
-      addTileCommand(app, common[6]),    addEditCommand(app, common[7])};
+      addTileCommand(app, common[6]),    addBakeCommand(app, common[7]),
+      addEditCommand(app, common[8])};
   try {
     app.parse(argumentsOf(argc, argv));
     for (const Subcommand& command : commands)

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/monitor.h"
+#include "document/commands.h"
 #include "document/options_table.h"
 
 namespace dapple {
@@ -34,6 +35,7 @@ Subcommand addScoreCommand(CLI::App& app, CommonOptions& common);
 Subcommand addFieldCommand(CLI::App& app, CommonOptions& common);
 Subcommand addSynth2dCommand(CLI::App& app, CommonOptions& common);
 Subcommand addTileCommand(CLI::App& app, CommonOptions& common);
+Subcommand addBakeCommand(CLI::App& app, CommonOptions& common);
 Subcommand addEditCommand(CLI::App& app, CommonOptions& common);
 
 // An option, or a flag, of the options table: help, default, range and behaviour cannot differ.
@@ -44,6 +46,9 @@ struct DrawingArguments {
   std::string renderer = "auto", texels = "auto", shading, background = "white";
 };
 void addDrawingOptions(CLI::App& app, DrawingArguments& arguments);
+
+// -o and what goes into the scan that is written.
+void addExportOptions(CLI::App& app, ExportScan& command);
 
 // --strokes FILE.
 void addStrokesOption(CLI::App& app, std::string& path);

@@ -23,13 +23,13 @@ namespace dapple {
 namespace {
 
 struct TextureArguments {
-  std::string scan, swatch, strokes, output, report, picture, view = "front", size = "1280x720",
-                                                              show = "colour";
+  std::string scan, swatch, strokes, report, picture, view = "front", size = "1280x720",
+                                                      show = "colour";
   DrawingArguments drawing;
   LoadOptions load;
-  ExportOptions exported;
+  ExportScan exported;
   std::vector<std::string> channels;
-  bool ascii = false, zUp = false, score = false, corners = true;
+  bool zUp = false, score = false;
 };
 
 void addFileOptions(CLI::App& app, TextureArguments& a) {
@@ -40,11 +40,7 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
          "are then written by point as by --channel auto")
       ->required();
   addStrokesOption(app, a.strokes);
-  app.add_option(
-         "-o,--output", a.output,
-         "textured scan to write: .ply with all columns; .obj with colours and, of a mesh, texture "
-         "coordinates; .xyz with colours")
-      ->required();
+  addExportOptions(app, a.exported);
   app.add_option("--samples", a.load.samples,
                  "spread this many points evenly over a mesh in place of its vertices");
   app.add_option(
@@ -54,14 +50,6 @@ void addFileOptions(CLI::App& app, TextureArguments& a) {
          "(DirectX's); can be repeated. auto: those beside the swatch by the usual names; none: "
          "not even those of a folder")
       ->allow_extra_args(false);
-  app.add_flag("--ascii", a.ascii, "write the PLY as text");
-  app.add_flag("--source-map", a.exported.sourceMap,
-               "also write swatch, texel, frame, patch, state, error and order of every point");
-  app.add_flag("--texture-coordinates,!--no-texture-coordinates", a.corners,
-               "where in the swatch the corners of a mesh's faces lie (PLY: texcoord; "
-               "OBJ: vt, with the swatch in a .mtl file beside it) [on]");
-  app.add_flag("--keep-colours", a.exported.keepColours,
-               "keep the scan's own colours as original_red, original_green, original_blue");
   app.add_option("--report", a.report, "write figures and score as JSON");
   app.add_flag("--score", a.score, "measure and print the score (with --report always)");
   app.add_option("--picture", a.picture, "also draw the result into this image");
@@ -128,7 +116,7 @@ void printSummary(const TextureArguments& a, const PreparedScan& prepared,
   if (scan.duplicates > 0 || scan.nonFinite > 0)
     fmt::print("set aside: {} duplicate and {} non-finite points\n", scan.duplicates,
                scan.nonFinite);
-  for (const std::string& path : {a.output, a.picture, a.report})
+  for (const std::string& path : {a.exported.path, a.picture, a.report})
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
@@ -159,23 +147,23 @@ SwatchReference referenceOf(const TextureArguments& a) {
 
 RecordTable tableOf(const TextureArguments& a, const PreparedScan& prepared, const SourceMap& map,
                     const ResultSource& source, Monitor& monitor) {
-  RecordTable table = texturedTable(prepared.scan, map, a.exported);
+  RecordTable table = texturedTable(prepared.scan, map, a.exported.options);
   if (source.maps)
     addChannels(table, prepared.scan,
                 channelsOf(map, source, prepared.scan.points.normals, monitor));
-  if (!a.corners || exportFormat(a.output) == ScanFormat::Xyz) return table;
+  if (!a.exported.options.corners || exportFormat(a.exported.path) == ScanFormat::Xyz) return table;
   ResultSource mapped = source;
   mapped.unit = map.unit;
   const Results results = resultsOf(map, mapped);
   const CornerTexture corners = cornersOf(results, prepared.scan, monitor);
-  addCorners(table, corners, textureFiles(corners, results, a.output));
+  addCorners(table, corners, textureFiles(corners, results, a.exported.path));
   return table;
 }
 
 // So that nothing is refused only after the work.
 void checkOutputs(const TextureArguments& a) {
-  for (const std::string& path : {a.output, a.picture, a.report}) checkWritable(path);
-  exportFormat(a.output);
+  for (const std::string& path : {a.exported.path, a.picture, a.report}) checkWritable(path);
+  exportFormat(a.exported.path);
   if (!a.picture.empty()) checkImageName(a.picture);
 }
 
@@ -219,7 +207,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                      .scale = textured.map.scale},
                     monitor);
   const auto saving = std::chrono::steady_clock::now();
-  exportTable(a.output, tableOf(a, prepared, textured.map, source, monitor), a.ascii, monitor);
+  exportTable(a.exported.path, tableOf(a, prepared, textured.map, source, monitor), a.exported.ascii, monitor);
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);

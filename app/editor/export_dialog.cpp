@@ -97,19 +97,29 @@ void ExportDialog::losses(const Document& document) const {
   for (const std::string& line : lines) mutedTextWrapped(line);
 }
 
+void ExportDialog::contentRows(const Document& document) {
+  const bool corners =
+      format_ != ScanFormat::Xyz && !document.scan->prepared.scan.mesh.triangles.empty();
+  if (format_ != ScanFormat::Ply && !corners) return;
+  divider();
+  if (corners) {
+    toggle("Texture coordinates", options_.corners, "export.corners");
+    tooltip("Where in the swatch the corners of the mesh's faces lie");
+  }
+  if (format_ != ScanFormat::Ply) return;
+  toggle("Source map", options_.sourceMap, "export.source-map");
+  tooltip("Swatch, texel, frame, patch, state, error and order of each point");
+  if (!document.points().colours.empty())
+    toggle("The scan's own colours, too", options_.keepColours, "export.keep-colours");
+  if (hasChannels(document)) toggle("Material channels", options_.channels, "export.channels");
+  toggle("As text", ascii_, "export.ascii");
+}
+
 bool ExportDialog::draw(const Document& document) {
   const Dialog dialog("export", "Export the textured scan", opening_, open_);
   if (!dialog || !document.scan) return false;
   formatRows();
-  if (format_ == ScanFormat::Ply) {
-    divider();
-    toggle("Source map", options_.sourceMap, "export.source-map");
-    tooltip("Swatch, texel, frame, patch, state, error and order of each point");
-    if (!document.points().colours.empty())
-      toggle("The scan's own colours, too", options_.keepColours, "export.keep-colours");
-    if (hasChannels(document)) toggle("Material channels", options_.channels, "export.channels");
-    toggle("As text", ascii_, "export.ascii");
-  }
+  contentRows(document);
   losses(document);
   return dialogButtons("Export...", "export");
 }

@@ -14,7 +14,7 @@ class ExportDialog {
   bool isOpen() const { return open_ || opening_; }
 
   // Once a frame, outside windows. True in the frame in which the user goes on to choose a file.
-  // Marks: "export.format.ply", ".obj", ".xyz", "export.accept", "export.cancel".
+  // Marks: "export.format.ply", ".obj", ".xyz", "export.corners", "export.accept", "export.cancel".
   bool draw(const Document& document);
 
   // What was chosen; its path is to be filled in.
@@ -23,6 +23,7 @@ class ExportDialog {
 
  private:
   void formatRows();
+  void contentRows(const Document& document);
   void losses(const Document& document) const;
 
   ScanFormat format_ = ScanFormat::Ply;

@@ -144,6 +144,12 @@ void addBlends(const Results& results, SourceMap& map) {
 
 }  // namespace
 
+std::optional<BorderKind> borderKindNamed(std::string_view name) {
+  const auto found = std::find(kBorderKinds.begin(), kBorderKinds.end(), name);
+  if (found == kBorderKinds.end()) return std::nullopt;
+  return static_cast<BorderKind>(found - kBorderKinds.begin());
+}
+
 Document emptyDocument() {
   Document document;
   Region rest;

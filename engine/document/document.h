@@ -2,9 +2,11 @@
 // few pointers, so that every undo step is a Document.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "document/results.h"
@@ -25,6 +27,8 @@ struct OpenedScan {
 
 // How a region passes into its neighbours (border_blend.h).
 enum class BorderKind { Hard, Blend, Cut };
+inline constexpr std::array kBorderKinds{"hard", "blend", "cut"};  // as files have them
+std::optional<BorderKind> borderKindNamed(std::string_view name);
 
 // What a user says of a part of the scan. Its scale is options.scale.
 struct Region {

@@ -42,7 +42,7 @@ void exportScan(const Document& document, const ExportScan& command, Monitor& mo
   if (command.options.channels) addChannels(table, scan, channelsOf(document, monitor));
   if (command.options.sourceMap && document.results.border)
     table.elements.push_back(borderElement(document));
-  if (format != ScanFormat::Xyz) {
+  if (command.options.corners && format != ScanFormat::Xyz) {
     const CornerTexture corners = cornersOf(document.results, scan, monitor);
     addCorners(table, corners, textureFiles(corners, document.results, command.path));
   }

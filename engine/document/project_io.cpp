@@ -25,7 +25,6 @@ using namespace project;
 
 constexpr const char* kMark = "Dapple project";  // the first comment
 constexpr std::size_t kHashBlock = std::size_t{1} << 20;
-constexpr std::array kBorderKinds{"hard", "blend", "cut"};  // by BorderKind
 constexpr int kFewestNeighbours = 8, kMostNeighbours = 128;
 
 // ---- columns -------------------------------------------------------------------------------
@@ -199,10 +198,10 @@ void setBorder(const json& from, Region& region) {
     if (width > 0) region.borderWidth = width;
     return;
   }
-  const auto named = std::find(kBorderKinds.begin(), kBorderKinds.end(), *kind);
-  if (named == kBorderKinds.end())
-    throw InvalidInput(fmt::format("a region has a border of kind {}", kind->dump()));
-  region.borderKind = static_cast<BorderKind>(named - kBorderKinds.begin());
+  const auto named =
+      kind->is_string() ? borderKindNamed(kind->get_ref<const std::string&>()) : std::nullopt;
+  if (!named) throw InvalidInput(fmt::format("a region has a border of kind {}", kind->dump()));
+  region.borderKind = *named;
   region.borderWidth = width;
 }
 

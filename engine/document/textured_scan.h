@@ -15,6 +15,7 @@ struct ExportOptions {
   bool sourceMap = false;    // also swatch, texel_x, texel_y, frame, patch, state, error, order
   bool keepColours = false;  // the scan's own colours stay, as original_red ...
   bool channels = true;      // also the material channels that the swatches have (channels.h)
+  bool corners = true;       // also where in the swatch a mesh's corners lie (corner_texture.h)
 };
 
 // Of a file with a source map and blended borders: the texels that border points mix (export.h).
