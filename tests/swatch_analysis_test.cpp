@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "base/hash_rng.h"
 #include "swatch/autocorrelation.h"
+#include "swatch/swatch_relief.h"
 
 using namespace dapple;
 
@@ -106,6 +107,20 @@ TEST_CASE("stripes: one direction, half a turn alike, the period is found") {
     CHECK(a.turned.half < 1.1);
     CHECK(a.turned.quarter > 5);
   }
+}
+
+TEST_CASE("what shows in the heights alone is seen as well") {
+  const Image grey = painted(96, 96, [](double, double) { return 0.5f; });
+  const Image stripes = painted(96, 96, [](double, double y) { return wave(y / 16); });
+  const Swatch swatch = makeSwatch(grey, Tileable::Auto, 1, "test");
+  Workers workers(1);
+  Monitor monitor(workers);
+  const SwatchAnalysis a = analyse(withRelief(swatch, stripes.pixels, 0.5), monitor);
+  CHECK(a.kind() != PatternKind::Isotropic);
+  CHECK(a.folds() == 2);
+  CHECK(a.anisotropy > 0.97);
+  CHECK(a.feature == doctest::Approx(0.61 * 16).epsilon(0.15));
+  CHECK(analyse(swatch, monitor).kind() == PatternKind::Isotropic);
 }
 
 TEST_CASE("checks: a quarter turn alike, an eighth not, and they repeat both ways") {

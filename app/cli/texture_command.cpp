@@ -197,7 +197,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const std::vector<Stroke> strokes =
       strokesFrom(a.strokes, prepared.scan.points, prepared.neighborhoods, monitor);
   std::optional<SwatchAnalysis> analysis;
-  if (given.method == Method::Auto) analysis = analyse(swatch, monitor);
+  if (given.method == Method::Auto)
+    analysis = analyse(*comparedSwatch(made, source.maps.get(), given), monitor);
   const AutomaticOptions automatic =
       chosenOptions(given, {.swatch = analysis.value_or(SwatchAnalysis{}),
                             .points = prepared.scan.points.size(),

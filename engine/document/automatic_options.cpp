@@ -14,6 +14,7 @@
 #include <cmath>
 
 #include "base/errors.h"
+#include "document/channels.h"
 
 namespace dapple {
 namespace {
@@ -117,8 +118,12 @@ std::vector<std::string> changedOptions(const TextureOptions& options) {
 
 std::shared_ptr<const SwatchAnalysis> knownAnalysis(const Document& document,
                                                     const Region& region) {
+  const auto& options = region.options;
   for (const auto& source : document.results.sources)
-    if (source->analysis && source->swatch == region.swatch) return source->analysis;
+    if (source->analysis && source->swatch == region.swatch &&
+        source->options.heightWeight == options.heightWeight &&
+        sameHeights(source->maps.get(), region.maps.get(), options))
+      return source->analysis;
   return nullptr;
 }
 

@@ -31,7 +31,8 @@ AutomaticOptions chosenOptions(const TextureOptions& given, const AutomaticInput
 // Names of the options that differ from their defaults: what was set, as far as one can see.
 std::vector<std::string> changedOptions(const TextureOptions& options);
 
-// The analysis of the region's swatch, as far as one of the document's results has it; null: none.
+// The analysis of the region's swatch, with the heights that count beside its colours, as far as
+// one of the document's results has it; null: none.
 std::shared_ptr<const SwatchAnalysis> knownAnalysis(const Document& document, const Region& region);
 
 // What Auto stands for in a region of the document: what differs from its default is kept.

@@ -6,6 +6,7 @@
 
 #include "swatch/autocorrelation.h"
 #include "swatch/gaussian_blur.h"
+#include "swatch/swatch_relief.h"
 
 namespace dapple {
 namespace {
@@ -32,39 +33,60 @@ Swatch reduced(const Swatch& swatch, int factor, Monitor& monitor) {
   Swatch out{
       .width = cells(swatch.width), .height = cells(swatch.height), .tileable = swatch.tileable};
   std::vector<vec3> colours(out.pixels(), vec3(0));
+  const float* heights = swatch.relief.empty() ? nullptr : swatch.relief.front().data();
+  std::vector<float> relief(heights ? out.pixels() : 0);
   out.opaque.assign(out.pixels(), 0);
   for (int y = 0; y < out.height; ++y) {
     monitor.checkpoint();
     for (int x = 0; x < out.width; ++x) {
       vec3 sum(0);
-      float count = 0;
+      float count = 0, height = 0;
       for (int v = y * swatch.height / out.height; v < (y + 1) * swatch.height / out.height; ++v)
         for (int u = x * swatch.width / out.width; u < (x + 1) * swatch.width / out.width; ++u) {
           const std::size_t i = static_cast<std::size_t>(v) * swatch.width + u;
-          if (swatch.opaque[i]) sum += swatch.colours()[i], ++count;
+          if (!swatch.opaque[i]) continue;
+          sum += swatch.colours()[i], ++count;
+          if (heights) height += heights[i];
         }
       const std::size_t i = static_cast<std::size_t>(y) * out.width + x;
       out.opaque[i] = count > 0;
       if (count > 0) colours[i] = sum / count;
+      if (count > 0 && heights) relief[i] = height / count;
       out.hasHoles |= count == 0;
     }
   }
   if (out.hasHoles) fillHoles(out, colours);
   out.stack.push_back(std::move(colours));
+  if (heights) setRelief(out, std::move(relief));
   return out;
 }
 
-// Coherence and direction of the structure tensor, summed over the swatch.
-void measureAnisotropy(const Swatch& swatch, SwatchAnalysis& out) {
+struct Tensor {
+  double xx = 0, xy = 0, yy = 0;
+};
+
+void addGradients(const Swatch& swatch, Tensor& sum) {
   const std::vector<vec3> colours = blurSwatch(swatch, kTensorBlur);
   const std::size_t w = swatch.width;
-  double xx = 0, xy = 0, yy = 0;
   for (std::size_t y = 1; y + 1 < static_cast<std::size_t>(swatch.height); ++y)
     for (std::size_t x = 1; x + 1 < w; ++x) {
       const std::size_t i = y * w + x;
       const vec3 right = colours[i + 1] - colours[i - 1], up = colours[i - w] - colours[i + w];
-      xx += glm::dot(right, right), xy += glm::dot(right, up), yy += glm::dot(up, up);
+      sum.xx += glm::dot(right, right), sum.xy += glm::dot(right, up), sum.yy += glm::dot(up, up);
     }
+}
+
+// Coherence and direction of the structure tensor, summed over the swatch.
+void measureAnisotropy(const Swatch& swatch, SwatchAnalysis& out) {
+  Tensor sum;
+  addGradients(swatch, sum);
+  if (!swatch.relief.empty()) {
+    // As one colour more, not three.
+    Swatch heights = reliefAsColours(swatch);
+    for (vec3& h : heights.stack.front()) h *= std::numbers::inv_sqrt3_v<float>;
+    addGradients(heights, sum);
+  }
+  const auto [xx, xy, yy] = sum;
   if (xx + yy < 1e-9) return;
   out.anisotropy = std::hypot(xx - yy, 2 * xy) / (xx + yy);
   const double steepest = 0.5 * std::atan2(2 * xy, xx - yy) * 180 / std::numbers::pi;

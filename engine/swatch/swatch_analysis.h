@@ -34,8 +34,8 @@ struct SwatchAnalysis {
   int folds() const;
 };
 
-// Deterministic. Large swatches are reduced to some 65 000 texels first; the lengths are those of
-// the whole. Throws Cancelled.
+// Of colours and, where the swatch has one, relief (swatch_relief.h). Deterministic. Large swatches
+// are reduced to some 65 000 texels first; the lengths are those of the whole. Throws Cancelled.
 SwatchAnalysis analyse(const Swatch& swatch, Monitor& monitor);
 
 }  // namespace dapple
