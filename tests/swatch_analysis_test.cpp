@@ -131,6 +131,7 @@ TEST_CASE("checks: a quarter turn alike, an eighth not, and they repeat both way
   CHECK(a.folds() == 4);
   CHECK(a.anisotropy < 0.05);
   CHECK(a.lattice > 0.9);
+  CHECK(a.latticeFit > 0.9);
   CHECK(a.tileable == false);  // a whole step between its borders, an eighth of one inside
   CHECK(a.contrast == doctest::Approx(0.3).epsilon(0.01));
 }
@@ -159,6 +160,22 @@ TEST_CASE("noise has no direction, no repeat and features as large as its cells"
     CHECK(a.feature >= cell);
     CHECK(a.feature <= 2.5 * cell + 2);
   }
+}
+
+TEST_CASE("rows show through noise that hides what a turn would change") {
+  const auto roof = [](bool rows) {
+    return analysed(painted(128, 128, [&](double x, double y) {
+      const double row = std::floor(y / 16), across = x - (static_cast<int>(row) % 2) * 8;
+      const double rim = std::hypot(std::remainder(across, 16), y - 16 * row);
+      const float tile = rows && std::abs(rim - 10) < 1.5 ? 0.3f : 0.4f;
+      return tile + 0.35f * (noise(x, y, 1.5) - 0.5f);
+    }));
+  };
+  const SwatchAnalysis tiles = roof(true), dust = roof(false);
+  CHECK(tiles.kind() == PatternKind::Regular);
+  CHECK(tiles.latticeFit > 0.2);
+  CHECK(dust.kind() == PatternKind::Isotropic);
+  CHECK(dust.latticeFit < 0.1);
 }
 
 TEST_CASE("saw teeth look otherwise upside down") {

@@ -11,6 +11,8 @@
 
 namespace dapple {
 
+inline constexpr int kMostAutomaticLevels = 6;  // of the swatch's stack, when gaps are matched
+
 struct AutomaticInput {
   const SwatchAnalysis& swatch;
   std::size_t points = 0;                // that are to be textured
@@ -21,7 +23,7 @@ struct AutomaticInput {
 struct AutomaticOptions {
   TextureOptions options;             // the method is never Auto
   std::vector<std::string> reasons;   // what was chosen and why, a sentence each
-  std::vector<std::string> warnings;  // about the scale, which is never changed
+  std::vector<std::string> warnings;  // about a scale that is left as it is
 };
 
 // `given` with a method, and with what goes with it of the options that the user has not set. With
