@@ -486,12 +486,13 @@ TEST_CASE("auto says what it has chosen and why, and a named method is used as i
   const Run run = dapple({"texture", scan, "--swatch", asset("swatches/pebbles.png"), "-o",
                           folder / "out.ply", "--report", report});
   REQUIRE_MESSAGE(run.code == 0, run.err);
-  CHECK(run.out.starts_with("auto: hybrid, no follow\n  method hybrid: "));
+  CHECK(run.out.starts_with("auto: hybrid, repair 11, no follow\n  method hybrid: "));
   const Json automatic = Json::parse(bytesOf(report));
   CHECK(automatic["method"] == "hybrid");
   CHECK(automatic["options"]["follow"] == "no");
   CHECK(automatic["auto"]["swatch"]["pattern"] == "isotropic");
-  CHECK(automatic["auto"]["reasons"].size() == 2);
+  CHECK(automatic["options"]["repair"] == "11");
+  CHECK(automatic["auto"]["reasons"].size() == 3);
   const Run named = dapple({"texture", scan, "--swatch", asset("swatches/pebbles.png"), "-o",
                             folder / "out.ply", "--report", report, "--method", "hybrid"});
   REQUIRE(named.code == 0);
