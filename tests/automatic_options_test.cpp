@@ -26,7 +26,7 @@ AutomaticOptions chosen(const SwatchAnalysis& swatch, const std::vector<std::str
                        {.swatch = swatch, .points = 40000, .strokes = strokes, .kept = kept});
 }
 
-// On a surface that is less than 6 features wide.
+// On a surface that is less than 7 features wide.
 TextureOptions chosenNarrow(const SwatchAnalysis& swatch) {
   return chosenOptions({}, {.swatch = swatch, .points = 8000, .strokes = false, .kept = {}})
       .options;

@@ -4,11 +4,12 @@
 // Method. With 85 000 points, of the 9 swatches in which a turn shows: coordinates .69 / .66,
 // patches that follow directions .62 / .58, with --symmetry 180 .67 / .57, that do not follow them
 // .68 / .26. Of the 13 others patches that do not follow have .72, with --symmetry 180 .69,
-// coordinates .64, tiling .57. Where 12 000 or 35 000 points are 6 to 16 of a swatch's features
-// wide, coordinates have .50 / .45 and patches with --symmetry 180, which may stand on their heads,
-// .54 / .46; where they are 5 wide, .65 / .62 and .69 / .60; where they are 3, .31 / .28 and
-// .56 / .40. Roof tiles of which only the rows show have .58 / .34 when patches run on, .56 / .43
-// with --symmetry 180, .49 / .51 with coordinates.
+// coordinates .64, tiling .57. With 12 000 or 35 000 points, which are 7 to 16 of a swatch's
+// features wide, coordinates have .49 / .45 and patches with --symmetry 180, which may stand on
+// their heads, .53 / .45; where they are 5 to 7 wide, .58 / .52 and .58 / .49; where they are 3,
+// .31 / .28 and .56 / .40. On 60 000 points of the armadillo, 7 wide, bricks have .68 and .79. Roof
+// tiles of which only the rows show have .58 / .34 when patches run on, .56 / .43 with --symmetry
+// 180, .49 / .51 with coordinates.
 //
 // The other options, hybrid with 85 000 points, 6 isotropic swatches. Seams mended by 1.5, 3, 6 and
 // 12 pixels: .675, .679, .682 and .683, and the widest is best where features are large. Gaps that
@@ -36,7 +37,7 @@ constexpr double kFeatureSpacings = 8;    // a feature has at least, or it is no
 constexpr double kFeaturesOfSurface = 3;  // the surface is wide, at least
 // Beyond these nothing of the pattern could be seen, so that the scale is not left as it is.
 constexpr double kVisibleSpacings = 4, kVisibleFeatures = 1.5;
-constexpr double kRoomy = 6;  // features that the surface is wide for coordinates, at least
+constexpr double kRoomy = 7;  // features that the surface is wide for coordinates, at least
 constexpr double kLeastRepair = 3, kMostRepair = 12;  // pixels
 constexpr std::string_view kFollowDistortion = "3.2";
 
