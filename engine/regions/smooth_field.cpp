@@ -183,6 +183,12 @@ std::vector<Index> freeOf(std::span<const Index> nodes, const std::vector<Fixed<
   return out;
 }
 
+// Gives the memory back; `= {}` would keep it.
+template <class T>
+void release(std::vector<T>& column) {
+  std::vector<T>().swap(column);
+}
+
 bool haveScales(std::span<const StrokeMark> marks) {
   return std::any_of(marks.begin(), marks.end(),
                      [](const StrokeMark& mark) { return mark.scale != 1; });
@@ -269,7 +275,12 @@ void SmoothField::fix(std::span<const StrokeMark> marks) {
   pulled_ = freeParts(levels_, nodesOf(fixed_.back()));
 }
 
-void SmoothField::solveLevel(std::size_t l, Monitor& monitor) {
+// What the next level found, where there is one.
+void SmoothField::enterLevel(std::size_t l, Monitor& monitor) {
+  if (l + 1 < levels_.levels.size()) value_[l] = prolong(levels_.levels[l], value_[l + 1], monitor);
+}
+
+void SmoothField::relaxLevel(std::size_t l, Monitor& monitor) {
   if (l == 0 && levels_.levels[0].pull.empty()) connectFinest(points_, levels_, monitor);
   std::vector<vec2>& value = value_[l];
   if (l + 1 == levels_.levels.size()) {
@@ -277,10 +288,14 @@ void SmoothField::solveLevel(std::size_t l, Monitor& monitor) {
     return;
   }
   const FieldLevel& level = levels_.levels[l];
-  value = prolong(level, value_[l + 1], monitor);
   setFixed<vec2>(fixed_[l], value);
   relax<vec2>({level, orderOfFree<vec2>(level.size(), fixed_[l]), pulled_[l]}, sweepsOf(l), value,
               monitor);
+}
+
+void SmoothField::solveLevel(std::size_t l, Monitor& monitor) {
+  enterLevel(l, monitor);
+  relaxLevel(l, monitor);
 }
 
 void SmoothField::writeFrames(std::span<const StrokeMark> marks, Monitor& monitor) {
@@ -310,11 +325,13 @@ OrientationField SmoothField::solveOnce(std::span<const StrokeMark> marks, Monit
   }
   fix(marks);
   for (std::size_t l = levels_.levels.size(); l-- > 0;) {
-    solveLevel(l, monitor);
-    if (l + 1 < levels_.levels.size()) value_[l + 1] = {};
-    PointGraph graph = std::move(levels_.levels[l].graph);
-    levels_.levels[l] = {};
-    if (l == 0) levels_.levels[l].graph = std::move(graph);  // the frames follow it
+    FieldLevel& level = levels_.levels[l];
+    enterLevel(l, monitor);
+    if (l + 1 < levels_.levels.size()) release(value_[l + 1]);
+    release(level.parent), release(level.fromParent);
+    relaxLevel(l, monitor);
+    release(level.turn), release(level.pull);
+    if (l > 0) level.graph = PointGraph{};  // that of the points leads the frames
   }
   writeFrames(marks, monitor);
   return std::move(field_);

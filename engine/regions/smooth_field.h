@@ -36,6 +36,8 @@ class SmoothField {
 
   std::vector<vec2> coarsest(Monitor& monitor) const;
   void fix(std::span<const StrokeMark> marks);
+  void enterLevel(std::size_t l, Monitor& monitor);
+  void relaxLevel(std::size_t l, Monitor& monitor);
   void solveLevel(std::size_t l, Monitor& monitor);
   std::vector<Index> refreshLevel(std::size_t l, std::span<const Index> parents,
                                   std::span<const Index> drawn, Monitor& monitor);
