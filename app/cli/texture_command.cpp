@@ -164,6 +164,7 @@ RecordTable tableOf(const TextureArguments& a, const PreparedScan& prepared, con
     addChannels(table, prepared.scan,
                 channelsOf(map, source, prepared.scan.points.normals, monitor));
   if (!a.corners || exportFormat(a.output) == ScanFormat::Xyz) return table;
+  if (!prepared.scan.table.find("face")) return table;  // results would copy the whole map
   ResultSource mapped = source;
   mapped.unit = map.unit;
   const Results results = resultsOf(map, mapped);
