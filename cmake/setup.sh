@@ -25,6 +25,7 @@ libfreetype-dev    | build | required | letters that are sharp at any size
 libsystemd0        | build | optional | the file dialog of the desktop; else our own
 fonts-dejavu-core  | build | optional | the typeface of the window; else a coarser one that is built in
 libopenimageio-dev | build | required | reads and writes images
+libpng-dev         | build | required | reads swatches that are plain PNGs
 python3-glad       | build | required | writes the OpenGL loader at build time
 python3            | build | required | writes the man page and the completions
 glmark2-data       | demo  | optional | the bunny that the demo textures

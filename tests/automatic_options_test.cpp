@@ -26,10 +26,17 @@ AutomaticOptions chosen(const SwatchAnalysis& swatch, const std::vector<std::str
                        {.swatch = swatch, .points = 40000, .strokes = strokes, .kept = kept});
 }
 
-// On a surface that hardly holds the swatch.
+// On a surface that is less than 7 features wide.
 TextureOptions chosenNarrow(const SwatchAnalysis& swatch) {
-  return chosenOptions({}, {.swatch = swatch, .points = 15000, .strokes = false, .kept = {}})
+  return chosenOptions({}, {.swatch = swatch, .points = 8000, .strokes = false, .kept = {}})
       .options;
+}
+
+AutomaticOptions chosenAt(double feature, std::size_t points, const TextureOptions& given = {},
+                          const std::vector<std::string>& kept = {}) {
+  SwatchAnalysis swatch = kGravel;
+  swatch.feature = feature;
+  return chosenOptions(given, {.swatch = swatch, .points = points, .kept = kept});
 }
 
 }  // namespace
@@ -53,8 +60,52 @@ TEST_CASE("without room for coordinates patches follow, with the symmetry of the
   }
   // Larger pixels, less room.
   TextureOptions large;
-  large.scale = 2;
+  large.scale = 2.5;
   CHECK(chosen(kStripes, {"scale"}, large).options.method == Method::Hybrid);
+}
+
+TEST_CASE("rows that no turn shows are followed by patches that may lie upside down") {
+  SwatchAnalysis roof = kGravel;
+  roof.latticeFit = 0.3;
+  const AutomaticOptions out = chosen(roof);
+  CHECK(out.options.method == Method::Hybrid);
+  CHECK(out.options.follow);
+  CHECK(out.options.symmetry == FieldSymmetry::Half);
+}
+
+TEST_CASE("a scale that shows nothing of a pattern is changed, unless the user has set it") {
+  // A photograph of pebbles that are larger than the scan, and sand finer than its points.
+  const AutomaticOptions large = chosenAt(200, 85000), fine = chosenAt(1, 85000);
+  CHECK(large.options.scale == 0.25);
+  CHECK(fine.options.scale == 4);
+  for (const AutomaticOptions& out : {large, fine}) {
+    CHECK(out.reasons.front().find("scale ") == 0);
+    CHECK(out.warnings.empty());
+  }
+  for (const double feature : {5.0, 10.0, 30.0, 90.0})
+    CHECK(chosenAt(feature, 85000).options.scale == 1);
+  // Too few points for both: features stay wide enough to be recognised.
+  CHECK(chosenAt(10, 150).options.scale == 0.5);
+  for (const double feature : {1.0, 200.0}) {
+    const AutomaticOptions kept = chosenAt(feature, 85000, {}, {"scale"});
+    CHECK(kept.options.scale == 1);
+    CHECK(kept.warnings.size() == 1);
+  }
+}
+
+TEST_CASE("seams are mended by the size of features, and gaps matched with as many levels") {
+  for (const auto& [feature, repair, levels] :
+       {std::tuple(2.0, 3.0, 2), std::tuple(7.0, 7.0, 4), std::tuple(40.0, 12.0, 6)}) {
+    CHECK(chosenAt(feature, 85000).options.repair == repair);
+    CHECK(chosenAt(feature, 85000).options.levels == 1);  // makes no difference
+    TextureOptions given{.levels = 3, .gaps = GapFill::Match};
+    CHECK(chosenAt(feature, 85000, given).options.levels == levels);
+    CHECK(levels <= stackLevels(given));
+    given.repair = 1;
+    const TextureOptions kept = chosenAt(feature, 85000, given, {"levels", "repair"}).options;
+    CHECK(kept.levels == 3);
+    CHECK(kept.repair == 1);
+  }
 }
 
 TEST_CASE("strokes are followed whatever the swatch is") {
@@ -65,14 +116,14 @@ TEST_CASE("strokes are followed whatever the swatch is") {
 
 TEST_CASE("every choice has a reason, and what the user has set is kept and has none") {
   const AutomaticOptions free = chosen(kGravel, {}, {}, true);
-  CHECK(free.reasons.size() == 3);  // method, follow, symmetry
-  CHECK(choiceText(free.options, {}) == "hybrid, symmetry 90");
-  CHECK(choiceText(chosen(kGravel).options, {}) == "hybrid, no follow");
+  CHECK(free.reasons.size() == 4);  // method, follow, symmetry, repair
+  CHECK(choiceText(free.options, {}) == "hybrid, repair 10, symmetry 90");
+  CHECK(choiceText(chosen(kGravel).options, {}) == "hybrid, repair 10, no follow");
   CHECK(choiceText(chosen(kStripes).options, {}) == "coordinates");
   TextureOptions given;
   given.symmetry = FieldSymmetry::Half, given.follow = false;
   const AutomaticOptions kept = chosen(kGravel, changedOptions(given), given, true);
-  CHECK(kept.reasons.size() == 1);
+  CHECK(kept.reasons.size() == 2);  // method, repair
   CHECK(kept.options.symmetry == FieldSymmetry::Half);
   CHECK(kept.options.follow == false);
   // Nothing is said of options that make no difference.

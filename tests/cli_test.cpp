@@ -12,6 +12,7 @@
 
 #include "app/render/image_compare.h"
 #include "cli_program.h"
+#include "document/apply.h"
 #include "io/image_io.h"
 
 namespace dapple {
@@ -486,12 +487,13 @@ TEST_CASE("auto says what it has chosen and why, and a named method is used as i
   const Run run = dapple({"texture", scan, "--swatch", asset("swatches/pebbles.png"), "-o",
                           folder / "out.ply", "--report", report});
   REQUIRE_MESSAGE(run.code == 0, run.err);
-  CHECK(run.out.starts_with("auto: hybrid, no follow\n  method hybrid: "));
+  CHECK(run.out.starts_with("auto: hybrid, repair 11, no follow\n  method hybrid: "));
   const Json automatic = Json::parse(bytesOf(report));
   CHECK(automatic["method"] == "hybrid");
   CHECK(automatic["options"]["follow"] == "no");
   CHECK(automatic["auto"]["swatch"]["pattern"] == "isotropic");
-  CHECK(automatic["auto"]["reasons"].size() == 2);
+  CHECK(automatic["options"]["repair"] == "11");
+  CHECK(automatic["auto"]["reasons"].size() == 3);
   const Run named = dapple({"texture", scan, "--swatch", asset("swatches/pebbles.png"), "-o",
                             folder / "out.ply", "--report", report, "--method", "hybrid"});
   REQUIRE(named.code == 0);
@@ -570,6 +572,89 @@ TEST_CASE("field writes directions that follow the strokes of a file, and says h
     CHECK(upright[i][1] > 0.9);
   }
   CHECK(near > 10);
+}
+
+Document applied(const Document& document, const Command& command) {
+  Workers workers;
+  Monitor monitor(workers);
+  return apply(document, command, {.readImage = readImage}, monitor);
+}
+
+// A sphere whose points with x > 0 are the region "Right", each half with a swatch of its own.
+Document halves(const TemporaryFolder& folder) {
+  const std::vector<Position> points = spherePoints(kPoints, 2);
+  Document d =
+      applied(emptyDocument(), OpenScan{.path = folder.write("in.ply", plyText(points))});
+  std::vector<Index> right;
+  for (Index i = 0; i < d.size(); ++i)
+    if (d.points().positions[i].x > 0) right.push_back(i);
+  d = applied(d, Select{.points = right});
+  d = applied(d, AddRegion{.name = "Right"});
+  d = applied(d, Select{});
+  d = applied(d, SetSwatch{.region = 0, .reference = {.path = swatch()}});
+  return applied(d, SetSwatch{.region = 1, .reference = {.path = asset("swatches/scales.png")}});
+}
+
+TEST_CASE("bake textures a project's regions as the editor would, on any number of threads") {
+  const TemporaryFolder folder;
+  const Document document = halves(folder);
+  const std::string project = folder / "work.dapple", out = folder / "out.ply",
+                    again = folder / "again.ply", saved = folder / "saved.dapple";
+  applied(document, SaveProject{project});
+  applied(applied(document, Synthesize{}), ExportScan{.path = again});
+  const Run run = dapple({"bake", project, "-o", out, "--save", saved, "--threads", "1"});
+  REQUIRE_MESSAGE(run.code == 0, run.err);
+  CHECK(contains(run.out, fmt::format("{} points in 2 regions", kPoints)));
+  const std::string expected = bytesOf(again);
+  CHECK(bytesOf(out) == expected);
+  // What was saved needs nothing more; nor does a second bake of everything change anything.
+  for (const Arguments& more : {Arguments{"--only-changed"}, Arguments{"--threads", "3"}}) {
+    REQUIRE(dapple(Arguments{"bake", saved, "-o", out} + more).code == 0);
+    CHECK(bytesOf(out) == expected);
+  }
+  // Borders in place of the project's: only points near x = 0 differ.
+  REQUIRE(dapple({"bake", project, "-o", out, "--border", "hard", "--ascii"}).code == 0);
+  const std::vector<std::array<int, 3>> hard = coloursOf(out);
+  REQUIRE(dapple({"bake", project, "-o", out, "--border", "blend", "--border-width", "8", "--ascii"})
+              .code == 0);
+  const std::vector<std::array<int, 3>> blended = coloursOf(out);
+  const std::vector<Position> points = spherePoints(kPoints, 2);
+  const double spacing = std::sqrt(4 * 3.14159 * 4 / kPoints);
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    if (hard[i] == blended[i]) continue;
+    ++changed;
+    CHECK(std::abs(points[i][0]) < 8 * spacing);
+  }
+  CHECK(changed > 100);
+}
+
+TEST_CASE("a project that cannot be baked is refused, and leaves nothing") {
+  const TemporaryFolder folder;
+  const std::string project = folder / "work.dapple", out = folder / "out.ply",
+                    bare = folder / "bare.dapple";
+  Document document = halves(folder);
+  applied(applied(document, SetSwatch{.region = 0}), SaveProject{bare});
+  const std::string image = folder.write("mine.png", bytesOf(swatch()));
+  document = applied(document, SetSwatch{.region = 1, .reference = {.path = image}});
+  applied(document, SaveProject{project});
+  fs::remove(image);
+  const Run gone = dapple({"bake", project, "-o", out});
+  CHECK(gone.code == 2);
+  CHECK(contains(gone.err, "\"Right\""));
+  CHECK(contains(gone.err, image));
+  const std::vector<std::string> before = folder.names();
+  for (const auto& [more, why] : std::vector<std::pair<Arguments, std::string>>{
+           {{"--border", "soft"}, "hard|blend|cut"},
+           {{"--border-width", "-1"}, "border width"},
+           {{"--scan", folder / "none.ply"}, "none.ply"},
+           {{"--save", folder / "no/saved.dapple"}, "no/saved.dapple"}}) {
+    const Run run = dapple(Arguments{"bake", bare, "-o", out} + more);
+    CHECK(run.code == 2);
+    CHECK_MESSAGE(contains(run.err, why), run.err);
+  }
+  CHECK(folder.names() == before);
+  CHECK(dapple({"bake", folder / "in.ply", "-o", out}).code == 2);
 }
 
 TEST_CASE("synth2d makes an image of any size, tile one that repeats, and bad orders are refused") {

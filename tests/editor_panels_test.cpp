@@ -383,7 +383,7 @@ TEST_CASE("what auto has chosen stands under the method, and not under a named o
   desk.gui.key(Key::enter, kCtrl);
   desk.rest();
   CHECK(first(desk).options.method == Method::Auto);
-  CHECK(desk.document().results.sources.front()->options.method == Method::Hybrid);
+  CHECK(desk.document().results.sources.front()->options.method == Method::Coordinates);
   desk.gui.click("panel.swatch");  // folded: the options come into sight
   desk.gui.frames(3);
   REQUIRE(desk.gui.has("option.method.chosen"));

@@ -10,6 +10,8 @@
 #include <string>
 
 #include "base/errors.h"
+#include "io/image_formats.h"
+#include "io/plain_png.h"
 
 using namespace dapple;
 namespace fs = std::filesystem;
@@ -80,6 +82,27 @@ TEST_CASE("an 8-bit image of 1 to 4 channels comes back exactly from PNG and TIF
       CHECK(largestDifference(readImage(folder.path / name), image) < 1e-6);
     }
   CHECK(folder.files() == 2);
+}
+
+TEST_CASE("plain PNGs are read without OpenImageIO, and to the same numbers") {
+  const Folder folder;
+  const fs::path path = folder.path / "a.png";
+  for (int channels = 1; channels <= 4; ++channels) {
+    writeImage(path, makeImage(32, 24, channels, 256));
+    const std::optional<Image> plain = readPlainPng(path);
+    REQUIRE(plain.has_value());
+    CHECK(plain->channels == channels);
+    CHECK(plain->width == 32);
+    CHECK(plain->pixels == imageFormats().read(path).pixels);
+  }
+  const std::string bytes = readBytes(path);
+  for (const std::size_t kept : {std::size_t{4}, std::size_t{40}, bytes.size() / 2}) {
+    writeBytes(path, bytes.substr(0, kept));
+    CHECK_FALSE(readPlainPng(path).has_value());
+  }
+  writeImage(path, makeImage(9, 6, 3, 65536), true);
+  CHECK_FALSE(readPlainPng(path).has_value());
+  CHECK_FALSE(readPlainPng(folder.path / "none.png").has_value());
 }
 
 TEST_CASE("a 16-bit image comes back exactly and 8 bits would not do") {

@@ -20,6 +20,7 @@ ID = "org.dapple.Dapple"
 CMAKE, BUILD, VERSION = sys.argv[1:4]
 FILES = f"""
 bin/dapple
+lib/dapple/dapple_image_formats.so
 share/applications/{ID}.desktop
 share/bash-completion/completions/dapple
 share/dapple/scans/creature.ply
@@ -100,7 +101,8 @@ class Installation(unittest.TestCase):
         self.check(
             *(self.program, "texture", self.share / "dapple/scans/creature.ply"),
             *("--swatch", self.share / "dapple/swatches/pebbles.png", "--method", "triplanar"),
-            *("-o", result),
+            # A picture, too: images are written by a module, which has to be found.
+            *("-o", result, "--picture", pathlib.Path(self.folder.name, "out.jpg")),
             cwd="/",
         )
         header = result.read_bytes()[:2000]
@@ -173,7 +175,7 @@ class Installation(unittest.TestCase):
 
     def test_bash_completes_commands_options_and_values(self):
         cases = (
-            (["dapple", ""], ["--help", "--version", "-h", "field", "info", "render", "score",
+            (["dapple", ""], ["--help", "--version", "-h", "bake", "field", "info", "render", "score",
                              "synth2d", "texture", "tile"]),
             (["dapple", "te"], ["texture"]),
             (["dapple", "texture", "--me"], ["--method"]),

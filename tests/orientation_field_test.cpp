@@ -407,6 +407,43 @@ TEST_CASE("scales hold along their strokes and change steadily in between") {
   }
 }
 
+TEST_CASE("a field that is solved for once has the bytes of one that is kept") {
+  const Surface surface = surfaceOf(makeSphere(6000, 1));
+  Workers workers(2);
+  Monitor monitor(workers);
+  std::vector<Stroke> strokes{strokeAlong(surface.points, {{1, 0, 0}, {0, 0, 1}})};
+  for (const float scale : {1.f, 2.f}) {
+    strokes[0].scale = scale;
+    const auto marks = strokeMarks(surface.points, surface.neighborhoods, strokes);
+    for (const FieldSymmetry symmetry : {FieldSymmetry::None, FieldSymmetry::Quarter}) {
+      const FieldOptions options{.symmetry = symmetry};
+      SmoothField kept(surface.points, surface.neighborhoods, options, monitor);
+      kept.solve(marks, monitor);
+      const OrientationField once =
+          SmoothField(surface.points, surface.neighborhoods, options, monitor)
+              .solveOnce(marks, monitor);
+      REQUIRE(once.frames.size() == surface.points.size());
+      for (std::size_t i = 0; i < once.frames.size(); ++i)
+        REQUIRE(once.frames[i].t == kept.field().frames[i].t);
+      CHECK(once.scale == kept.field().scale);
+    }
+  }
+}
+
+TEST_CASE("levels take 95 bytes a point until the finest is connected") {
+  const Surface surface = surfaceOf(makeSphere(20000, 1));
+  Workers workers(1);
+  Monitor monitor(workers);
+  const FieldLevels field = clusterField(surface.points, surface.neighborhoods, {}, 16, monitor);
+  const auto bytes = [](const auto& column) { return column.capacity() * sizeof(column[0]); };
+  std::size_t all = 0;
+  for (const FieldLevel& level : field.levels)
+    all += bytes(level.graph.offset) + bytes(level.graph.ids) + bytes(level.turn) +
+           bytes(level.pull) + bytes(level.parent) + bytes(level.fromParent);
+  CHECK(field.levels[0].turn.empty());
+  CHECK(all / surface.points.size() <= 95);  // 40 of them are the links of the points
+}
+
 TEST_CASE("an update turns what an edit touches as a full solution would") {
   const Surface surface = surfaceOf(torus(420));  // 70,560 points: two levels are refreshed
   Workers workers(2);

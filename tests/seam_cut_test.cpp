@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "fixtures.h"
+#include "swatch/swatch_relief.h"
 #include "synthesis/patch_parameterization.h"
 #include "synthesis/patch_placement.h"
 
@@ -67,6 +68,24 @@ TEST_CASE("two patches that show the same pattern are joined without a visible s
   CHECK(seams.energyBefore < 0.02);
   CHECK(seams.energyAfter <= seams.energyBefore);
   CHECK(plane.worstColour() < 0.01f);
+}
+
+TEST_CASE("a seam between places that differ in height alone costs as much as in colour") {
+  Workers workers(1);
+  Monitor monitor(workers);
+  SplitPlane plane(fixtures::blobs(64), workers);
+  for (std::size_t i = 0; i < plane.points.size(); ++i) plane.map.colour[i] = vec3(0.5f);
+  plane.map.placement[1] += vec2(9, 5);
+  std::vector<float> relief;
+  for (const vec3& c : plane.swatch.colours()) relief.push_back(c.x);
+  plane.swatch.stack.front().assign(plane.swatch.pixels(), vec3(0.5f));
+  const PatchOverlap overlap = growOverlap(plane.input, plane.map, 8, monitor);
+  SourceMap flat = plane.map;
+  CHECK(cutSeams(plane.input, overlap, flat, monitor).energyBefore < 0.2);
+  setRelief(plane.swatch, relief);
+  const SeamStatistics seams = cutSeams(plane.input, overlap, plane.map, monitor);
+  CHECK(seams.energyBefore > 5);
+  CHECK(seams.energyAfter < 0.8 * seams.energyBefore);
 }
 
 TEST_CASE("patches reach over each other by the overlap and no further") {

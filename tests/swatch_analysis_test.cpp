@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "base/hash_rng.h"
 #include "swatch/autocorrelation.h"
+#include "swatch/swatch_relief.h"
 
 using namespace dapple;
 
@@ -108,6 +109,20 @@ TEST_CASE("stripes: one direction, half a turn alike, the period is found") {
   }
 }
 
+TEST_CASE("what shows in the heights alone is seen as well") {
+  const Image grey = painted(96, 96, [](double, double) { return 0.5f; });
+  const Image stripes = painted(96, 96, [](double, double y) { return wave(y / 16); });
+  const Swatch swatch = makeSwatch(grey, Tileable::Auto, 1, "test");
+  Workers workers(1);
+  Monitor monitor(workers);
+  const SwatchAnalysis a = analyse(withRelief(swatch, stripes.pixels, 0.5), monitor);
+  CHECK(a.kind() != PatternKind::Isotropic);
+  CHECK(a.folds() == 2);
+  CHECK(a.anisotropy > 0.97);
+  CHECK(a.feature == doctest::Approx(0.61 * 16).epsilon(0.15));
+  CHECK(analyse(swatch, monitor).kind() == PatternKind::Isotropic);
+}
+
 TEST_CASE("checks: a quarter turn alike, an eighth not, and they repeat both ways") {
   const SwatchAnalysis a = analysed(painted(96, 96, [](double x, double y) {
     return (static_cast<int>(x / 8) + static_cast<int>(y / 8)) % 2 ? 0.8f : 0.2f;
@@ -116,6 +131,7 @@ TEST_CASE("checks: a quarter turn alike, an eighth not, and they repeat both way
   CHECK(a.folds() == 4);
   CHECK(a.anisotropy < 0.05);
   CHECK(a.lattice > 0.9);
+  CHECK(a.latticeFit > 0.9);
   CHECK(a.tileable == false);  // a whole step between its borders, an eighth of one inside
   CHECK(a.contrast == doctest::Approx(0.3).epsilon(0.01));
 }
@@ -144,6 +160,22 @@ TEST_CASE("noise has no direction, no repeat and features as large as its cells"
     CHECK(a.feature >= cell);
     CHECK(a.feature <= 2.5 * cell + 2);
   }
+}
+
+TEST_CASE("rows show through noise that hides what a turn would change") {
+  const auto roof = [](bool rows) {
+    return analysed(painted(128, 128, [&](double x, double y) {
+      const double row = std::floor(y / 16), across = x - (static_cast<int>(row) % 2) * 8;
+      const double rim = std::hypot(std::remainder(across, 16), y - 16 * row);
+      const float tile = rows && std::abs(rim - 10) < 1.5 ? 0.3f : 0.4f;
+      return tile + 0.35f * (noise(x, y, 1.5) - 0.5f);
+    }));
+  };
+  const SwatchAnalysis tiles = roof(true), dust = roof(false);
+  CHECK(tiles.kind() == PatternKind::Regular);
+  CHECK(tiles.latticeFit > 0.2);
+  CHECK(dust.kind() == PatternKind::Isotropic);
+  CHECK(dust.latticeFit < 0.1);
 }
 
 TEST_CASE("saw teeth look otherwise upside down") {

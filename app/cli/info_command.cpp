@@ -6,9 +6,11 @@
 
 #include "app/cli/cli.h"
 #include "app/cli/report.h"
+#include "document/channels.h"
 #include "document/texture_job.h"
 #include "io/image_io.h"
 #include "points/connected_parts.h"
+#include "swatch/material_files.h"
 
 namespace dapple {
 namespace {
@@ -56,11 +58,16 @@ nlohmann::ordered_json describe(const PreparedScan& prepared) {
           {"non_finite", scan.nonFinite}};
 }
 
-// What `--method auto` goes by.
+// What `--method auto` goes by: of the folder of a material its heights as well.
 nlohmann::ordered_json describeSwatch(const std::string& path, Monitor& monitor) {
-  const Swatch swatch = readSwatch(path, Tileable::Auto, 1);
-  nlohmann::ordered_json info{{"file", path}, {"width", swatch.width}, {"height", swatch.height}};
-  info.update(analysisJson(analyse(swatch, monitor)));
+  SwatchReference reference{.path = swatchFile(path).string()};
+  if (reference.path != path) reference.channels = findChannels(reference.path);
+  const Image image = readImage(reference.path);
+  const auto maps = readMaps(reference, image, [](const auto& file) { return readImage(file); });
+  const auto swatch =
+      std::make_shared<const Swatch>(makeSwatch(image, Tileable::Auto, 1, reference.path));
+  nlohmann::ordered_json info{{"file", path}, {"width", swatch->width}, {"height", swatch->height}};
+  info.update(analysisJson(analyse(*comparedSwatch(swatch, maps.get(), {}), monitor)));
   return info;
 }
 

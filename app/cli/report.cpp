@@ -50,6 +50,7 @@ Json analysisJson(const SwatchAnalysis& analysis) {
             {"90", analysis.turned.quarter},
             {"45", analysis.turned.eighth}}},
           {"regularity", analysis.regularity},
+          {"lattice_fit", analysis.latticeFit},
           {"lattice", analysis.lattice},
           {"period", {analysis.period.x, analysis.period.y}}};
 }

@@ -152,6 +152,7 @@ RecordTable tableOf(const TextureArguments& a, const PreparedScan& prepared, con
     addChannels(table, prepared.scan,
                 channelsOf(map, source, prepared.scan.points.normals, monitor));
   if (!a.exported.options.corners || exportFormat(a.exported.path) == ScanFormat::Xyz) return table;
+  if (!prepared.scan.table.find("face")) return table;  // results would copy the whole map
   ResultSource mapped = source;
   mapped.unit = map.unit;
   const Results results = resultsOf(map, mapped);
@@ -185,7 +186,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
   const std::vector<Stroke> strokes =
       strokesFrom(a.strokes, prepared.scan.points, prepared.neighborhoods, monitor);
   std::optional<SwatchAnalysis> analysis;
-  if (given.method == Method::Auto) analysis = analyse(swatch, monitor);
+  if (given.method == Method::Auto)
+    analysis = analyse(*comparedSwatch(made, source.maps.get(), given), monitor);
   const AutomaticOptions automatic =
       chosenOptions(given, {.swatch = analysis.value_or(SwatchAnalysis{}),
                             .points = prepared.scan.points.size(),

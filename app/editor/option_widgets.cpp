@@ -86,7 +86,8 @@ bool optionWidget(TextureOptions& options, const OptionRow& row) {
 
 void choiceLine(const ChoiceShown& chosen) {
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + theme::px(kLabelWidth));
-  mutedText(chosen.text.empty() ? "chosen by the swatch at the next synthesis" : chosen.text);
+  mutedTextWrapped(chosen.text.empty() ? "chosen by the swatch at the next synthesis"
+                                       : chosen.text);
   markItem("option.method.chosen");
   if (!chosen.reasons.empty()) tooltip(chosen.reasons);
 }

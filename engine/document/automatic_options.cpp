@@ -1,26 +1,44 @@
-// The rules come from measured scores: mean F, and F along the directions, of 22 swatches on the
-// bunny. With 40 000 points patches that follow directions without symmetry .52 / .49, with
-// --symmetry 180 .59 / .47, that do not follow them .59 / .30: following thus costs quality only
-// where there are directions of a whole turn, and not following costs all direction. With 85 000
-// points, of the 9 swatches with a direction: the best of these .64 / .56, coordinates .66 / .63;
-// of the 13 others .71 and .61. Coordinates with --symmetry 180 gain .09 on a twill and lose as
-// much on wood, .16 on bricks. Coordinates want room: of 8 swatches with a direction, which the
-// surface holds 0.8, 2.4, 4.2, 5.9 and 10 times (12 000 to 150 000 points), patches that follow
-// them have .46, .59, .56, .60 and .68 with seams repaired, coordinates .44, .55, .59, .67 and
-// .69.
+// The rules come from measured scores: mean F, and F along the directions, of the 22 shared
+// swatches on 12 000, 35 000 and 85 000 points of the bunny.
+//
+// Method. With 85 000 points, of the 9 swatches in which a turn shows: coordinates .69 / .66,
+// patches that follow directions .62 / .58, with --symmetry 180 .67 / .57, that do not follow them
+// .68 / .26. Of the 13 others patches that do not follow have .72, with --symmetry 180 .69,
+// coordinates .64, tiling .57. With 12 000 or 35 000 points, which are 7 to 16 of a swatch's
+// features wide, coordinates have .49 / .45 and patches with --symmetry 180, which may stand on
+// their heads, .53 / .45; where they are 5 to 7 wide, .58 / .52 and .58 / .49; where they are 3,
+// .31 / .28 and .56 / .40. On 60 000 points of the armadillo, 6.8 wide, bricks have .68 and .79.
+// Roof tiles of which only the rows show have .58 / .34 when patches run on, .56 / .43 with
+// --symmetry 180, .49 / .51 with coordinates.
+//
+// The other options, hybrid with 85 000 points, 6 isotropic swatches. Seams mended by 1.5, 3, 6 and
+// 12 pixels: .675, .679, .682 and .683, and the widest is best where features are large. Gaps that
+// are matched: .639 with one level, .641 with as many as features are large; widened ones are
+// worse (methods: section 4).
+// --size-limit .8, its default, is best whatever the swatch: .679, with .5 .600 and with 1 .635. So
+// is --distortion 1.6: .8 gains .02 on fine stones, loses .12 on berries; 3.2 gains .03 on berries,
+// loses .38 on water. It only helps patches that follow whole turns where they have little room:
+// .53 for .52 with 12 000 points.
+//
+// Scale. Pixels smaller than points alias: 12 000 points, which are 2 to 5 features wide, have .47
+// with --scale 1 and .27 with .5. It is only changed where nothing could be seen otherwise.
 #include "document/automatic_options.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/errors.h"
+#include "document/channels.h"
 
 namespace dapple {
 namespace {
 
 constexpr double kFeatureSpacings = 8;    // a feature has at least, or it is not recognised
 constexpr double kFeaturesOfSurface = 3;  // the surface is wide, at least
-constexpr double kRoomy = 3;  // swatches that the surface holds for coordinates, at least
+// Beyond these nothing of the pattern could be seen, so that the scale is not left as it is.
+constexpr double kVisibleSpacings = 4, kVisibleFeatures = 1.5;
+constexpr double kRoomy = 7;  // features that the surface is wide for coordinates, at least
+constexpr double kLeastRepair = 3, kMostRepair = 12;  // pixels
 constexpr std::string_view kFollowDistortion = "3.2";
 
 struct Chooser {
@@ -36,6 +54,33 @@ struct Chooser {
   }
 };
 
+// Of a feature as one sees it: from its middle to where nothing is like it is half of that.
+double featurePixels(const AutomaticInput& input) {
+  return 2 * input.swatch.feature;
+}
+
+// In spacings: the surface is taken as a square.
+double surfaceSide(const AutomaticInput& input) {
+  return std::sqrt(static_cast<double>(input.points));
+}
+
+// In powers of two, so that a region that grows a little keeps it.
+void chooseScale(const AutomaticInput& input, Chooser& chooser) {
+  const double pixels = featurePixels(input), side = surfaceSide(input);
+  const double given = chooser.out.options.scale, shown = given * pixels;
+  const double least = kFeatureSpacings / pixels, most = side / kFeaturesOfSurface / pixels;
+  const auto power = [](double scale) {
+    return fmt::format("{:g}", std::clamp(std::exp2(std::round(std::log2(scale))), 0.015625, 64.0));
+  };
+  if (side < kVisibleFeatures * shown && std::max(least, most) < given)
+    chooser.choose("scale", power(std::max(least, most)),
+                   fmt::format("the surface would be only {:.2g} of the swatch's features wide",
+                               side / shown));
+  else if (shown < kVisibleSpacings && least <= most)
+    chooser.choose("scale", power(least),
+                   fmt::format("the swatch's features would be only {:.2g} points wide", shown));
+}
+
 std::string patternText(const SwatchAnalysis& swatch) {
   switch (swatch.kind()) {
     case PatternKind::Isotropic:
@@ -43,21 +88,21 @@ std::string patternText(const SwatchAnalysis& swatch) {
     case PatternKind::Directional:
       return "the swatch has a direction";
     case PatternKind::Regular:
-      return "the swatch repeats and has a direction";
+      return swatch.turnShows() ? "the swatch repeats and has a direction"
+                                : "the swatch repeats, and turns hardly show in it";
   }
   return {};
 }
 
 void chooseMethod(const AutomaticInput& input, Chooser& chooser) {
-  const double scale = chooser.out.options.scale;
-  const double holds = static_cast<double>(input.points) / (scale * scale * input.swatch.area);
-  const bool turns = input.swatch.kind() != PatternKind::Isotropic;
-  const std::string_view method = turns && holds >= kRoomy ? "coordinates" : "hybrid";
+  const double wide = surfaceSide(input) / featurePixels(input) / chooser.out.options.scale;
+  const bool turns = input.swatch.turnShows();
+  const std::string_view method = turns && wide >= kRoomy ? "coordinates" : "hybrid";
   setOption(chooser.out.options, *findOption("method"), method);
   std::string reason = patternText(input.swatch);
   if (turns)
-    reason += fmt::format(", and the surface {} than {:g} times as large",
-                          holds >= kRoomy ? "is more" : "is less", kRoomy);
+    reason += fmt::format(", and the surface is {} than {:g} of its features wide",
+                          wide >= kRoomy ? "more" : "less", kRoomy);
   chooser.out.reasons.push_back(fmt::format("method {}: {}.", method, reason));
 }
 
@@ -71,7 +116,7 @@ void chooseDirections(const AutomaticInput& input, Chooser& chooser) {
   }
   chooser.choose("follow", "yes", input.strokes ? "strokes are drawn" : "turns show in the swatch");
   if (swatch.folds() == 2)
-    chooser.choose("symmetry", "180", "half a turn does not show in it");
+    chooser.choose("symmetry", "180", "half a turn hardly shows in it");
   else if (swatch.folds() != 1)
     chooser.choose("symmetry", "90", "a quarter turn does not show in it");
   else
@@ -79,12 +124,22 @@ void chooseDirections(const AutomaticInput& input, Chooser& chooser) {
                    "only a whole turn leaves it as it is, and larger patches have fewer seams");
 }
 
-// Lengths in spacings; the surface is taken as a square. From the middle of a feature to where
-// nothing is like it is half of what one sees as one.
+// What is set aside for seams and gaps, by the size of features.
+void chooseWidths(const AutomaticInput& input, Chooser& chooser) {
+  const double feature = input.swatch.feature;
+  const double repair = std::clamp(std::round(feature), kLeastRepair, kMostRepair);
+  if (repair > kLeastRepair)
+    chooser.choose("repair", fmt::format("{:g}", repair),
+                   fmt::format("the swatch's features are {:.0f} pixels wide", 2 * feature));
+  const int levels = 1 + static_cast<int>(std::ceil(std::log2(std::max(feature, 1.0))));
+  chooser.choose("levels", fmt::format("{}", std::min(levels, kMostAutomaticLevels)),
+                 "the coarsest one tells features apart, not their parts");
+}
+
+// Of a scale that the user has set, or that shows something at least. Lengths in spacings.
 void warnOfScale(const AutomaticInput& input, AutomaticOptions& out) {
-  const double pixels = 2 * input.swatch.feature;
+  const double pixels = featurePixels(input), side = surfaceSide(input);
   const double feature = pixels * out.options.scale;
-  const double side = std::sqrt(static_cast<double>(input.points));
   const double least = kFeatureSpacings / pixels, most = side / kFeaturesOfSurface / pixels;
   if (feature > side / kFeaturesOfSurface)
     out.warnings.push_back(
@@ -102,9 +157,11 @@ void warnOfScale(const AutomaticInput& input, AutomaticOptions& out) {
 AutomaticOptions chosenOptions(const TextureOptions& given, const AutomaticInput& input) {
   Chooser chooser{input.kept, {.options = given}};
   if (given.method != Method::Auto) return chooser.out;
+  chooseScale(input, chooser);
   chooseMethod(input, chooser);
   chooseDirections(input, chooser);
-  warnOfScale(input, chooser.out);
+  chooseWidths(input, chooser);
+  if (chooser.out.options.scale == given.scale) warnOfScale(input, chooser.out);
   return chooser.out;
 }
 
@@ -117,8 +174,12 @@ std::vector<std::string> changedOptions(const TextureOptions& options) {
 
 std::shared_ptr<const SwatchAnalysis> knownAnalysis(const Document& document,
                                                     const Region& region) {
+  const auto& options = region.options;
   for (const auto& source : document.results.sources)
-    if (source->analysis && source->swatch == region.swatch) return source->analysis;
+    if (source->analysis && source->swatch == region.swatch &&
+        source->options.heightWeight == options.heightWeight &&
+        sameHeights(source->maps.get(), region.maps.get(), options))
+      return source->analysis;
   return nullptr;
 }
 

@@ -11,6 +11,8 @@
 
 namespace dapple {
 
+inline constexpr int kMostAutomaticLevels = 6;  // of the swatch's stack, when gaps are matched
+
 struct AutomaticInput {
   const SwatchAnalysis& swatch;
   std::size_t points = 0;                // that are to be textured
@@ -21,7 +23,7 @@ struct AutomaticInput {
 struct AutomaticOptions {
   TextureOptions options;             // the method is never Auto
   std::vector<std::string> reasons;   // what was chosen and why, a sentence each
-  std::vector<std::string> warnings;  // about the scale, which is never changed
+  std::vector<std::string> warnings;  // about a scale that is left as it is
 };
 
 // `given` with a method, and with what goes with it of the options that the user has not set. With
@@ -31,7 +33,8 @@ AutomaticOptions chosenOptions(const TextureOptions& given, const AutomaticInput
 // Names of the options that differ from their defaults: what was set, as far as one can see.
 std::vector<std::string> changedOptions(const TextureOptions& options);
 
-// The analysis of the region's swatch, as far as one of the document's results has it; null: none.
+// The analysis of the region's swatch, with the heights that count beside its colours, as far as
+// one of the document's results has it; null: none.
 std::shared_ptr<const SwatchAnalysis> knownAnalysis(const Document& document, const Region& region);
 
 // What Auto stands for in a region of the document: what differs from its default is kept.

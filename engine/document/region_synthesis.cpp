@@ -22,7 +22,8 @@ TextureOptions resolvedOptions(const Document& document, const Region& region,
   analysis = knownAnalysis(document, region);
   if (options.method != Method::Auto) return options;
   if (!analysis)
-    analysis = std::make_shared<const SwatchAnalysis>(analyse(*region.swatch, monitor));
+    analysis = std::make_shared<const SwatchAnalysis>(
+        analyse(*comparedSwatch(region.swatch, region.maps.get(), options), monitor));
   return chosenOptions(document, region, *analysis).options;
 }
 

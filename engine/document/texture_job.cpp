@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "base/errors.h"
+#include "document/automatic_options.h"
 #include "document/options_table.h"
 #include "points/normals.h"
 #include "swatch/swatch_relief.h"
@@ -138,7 +139,8 @@ TexturedPoints texturePoints(const PreparedScan& prepared, const Swatch& swatch,
 }
 
 int stackLevels(const TextureOptions& options) {
-  return std::max(options.levels, kFilterLevels);
+  const bool chosen = options.method == Method::Auto && options.gaps == GapFill::Match;
+  return std::max({options.levels, kFilterLevels, chosen ? kMostAutomaticLevels : 0});
 }
 
 TextureScore scorePoints(const PreparedScan& prepared, const ScoreRequest& request,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "base/errors.h"
 
@@ -56,19 +57,19 @@ PointGraph linkBothWays(const Neighborhoods& neighborhoods, const std::vector<ve
     graph.offset[i + 1] += static_cast<std::size_t>(std::popcount(bits[i].linked));
     forEachBit(bits[i].oneWay, [&](std::size_t c) { ++graph.offset[neighborhoods.of(i)[c] + 1]; });
   }
-  for (std::size_t i = 0; i < n; ++i) graph.offset[i + 1] += graph.offset[i];
-  graph.ids.resize(graph.offset[n]);
-  std::vector<std::size_t> next(n);
+  // While rows are filled, offset[i + 1] is where row i goes on: at last, where it ends.
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < n; ++i) all += std::exchange(graph.offset[i + 1], all);
+  graph.ids.resize(all);
   for (std::size_t i = 0; i < n; ++i) {
     if (i % kGrain == 0) monitor.checkpoint();
-    next[i] = graph.offset[i];
-    forEachBit(bits[i].linked,
-               [&](std::size_t c) { graph.ids[next[i]++] = neighborhoods.of(i)[c]; });
+    std::size_t& next = graph.offset[i + 1];
+    forEachBit(bits[i].linked, [&](std::size_t c) { graph.ids[next++] = neighborhoods.of(i)[c]; });
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (i % kGrain == 0) monitor.checkpoint();
     forEachBit(bits[i].oneWay, [&](std::size_t c) {
-      graph.ids[next[neighborhoods.of(i)[c]]++] = static_cast<Index>(i);
+      graph.ids[graph.offset[neighborhoods.of(i)[c] + 1]++] = static_cast<Index>(i);
     });
   }
   return graph;

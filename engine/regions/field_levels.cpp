@@ -22,11 +22,18 @@ constexpr double kUprightReach = 0.1;
 
 // What a level is made from; not needed to solve.
 struct Cloud {
-  std::vector<vec3> positions, normals;  // n_l
-  std::vector<float> weight;             // by link
+  std::span<const vec3> positions, normals;  // n_l
+  std::vector<float> weight;                 // by link; empty at the finest level: 1 / d
+
+  // Of link e, from node i. Of methods 1.3: w = 1 / d. Coarser links sum up the weights of the
+  // links that they merge.
+  float weightOf(std::size_t e, Index i, Index j) const {
+    return weight.empty() ? weightOver(distanceBetween(positions[i], positions[j])) : weight[e];
+  }
+  static float weightOver(float distance) { return 1 / std::max(distance, 1e-12f); }
 };
 
-double reachOf(const std::vector<vec3>& positions) {
+double reachOf(std::span<const vec3> positions) {
   dvec3 sum(0);
   double squares = 0;
   for (const vec3& p : positions) sum += dvec3(p);
@@ -37,7 +44,7 @@ double reachOf(const std::vector<vec3>& positions) {
 
 // Unit length. A surface that faces along `up` has no upright direction: z then, or x, as
 // framesTowards() does point by point.
-vec3 usableUp(const std::vector<vec3>& normals, const vec3& up) {
+vec3 usableUp(std::span<const vec3> normals, const vec3& up) {
   constexpr double kTooSteep = 0.15;  // root mean square of what is left of it on the surface
   const vec3 axes[] = {up / glm::length(up), vec3(0, 0, 1), vec3(1, 0, 0)};
   for (const vec3& axis : axes) {
@@ -48,48 +55,32 @@ vec3 usableUp(const std::vector<vec3>& normals, const vec3& up) {
   return axes[0];
 }
 
-// Of methods 1.3: w = 1 / d. Coarser links sum up the weights of the links that they merge.
-std::vector<float> linkWeights(const PointGraph& graph, const std::vector<vec3>& positions,
-                               Monitor& monitor) {
-  std::vector<float> weight(graph.ids.size());
-  parallelFor(monitor, graph.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t e = graph.offset[i]; e < graph.offset[i + 1]; ++e)
-        weight[e] = 1 / std::max(distanceBetween(positions[i], positions[graph.ids[e]]), 1e-12f);
-  });
-  return weight;
-}
-
-struct Compass {
-  vec3 up;      // unit length
-  float reach;  // local units
-  int folds;
-};
-
 // Turns and pulls. The pull's weight: a sum over links w (u_j - u_i) is W d^2 / 4 times the
 // Laplacian for links of length d in all directions, and minimising |grad u|^2 + |u - p|^2 /
 // reach^2 asks for a Laplacian of (u - p) / reach^2.
-void connect(const Cloud& cloud, const Compass& compass, FieldLevel& level, Monitor& monitor) {
+void connect(const Cloud& cloud, const FieldCompass& compass, FieldLevel& level, Monitor& monitor) {
   const PointGraph& graph = level.graph;
-  level.turn.resize(graph.ids.size());
-  level.pull.resize(graph.size());
+  std::vector<vec2> turns(graph.ids.size()), pulls(graph.size());
   parallelFor(monitor, graph.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const vec3 &n = cloud.normals[i], &p = cloud.positions[i];
       float pull = 0;
       for (std::size_t e = graph.offset[i]; e < graph.offset[i + 1]; ++e) {
         const Index j = graph.ids[e];
-        level.turn[e] = cloud.weight[e] * power(transport(cloud.normals[j], n), compass.folds);
         const float d = distanceBetween(p, cloud.positions[j]);
-        pull += cloud.weight[e] * d * d;
+        const float weight = cloud.weight.empty() ? Cloud::weightOver(d) : cloud.weight[e];
+        turns[e] = weight * power(transport(cloud.normals[j], n), compass.folds);
+        pull += weight * d * d;
       }
       const vec2 upright = tangentNumber(n, compass.up);
-      level.pull[i] = pull / (4 * compass.reach * compass.reach) * glm::length(upright) *
-                      power(unit(upright), compass.folds);
-      if (level.pull[i] == vec2(0) && graph.of(i).empty())  // nobody else to say
-        level.pull[i] = power(unit(upright), compass.folds);
+      pulls[i] = pull / (4 * compass.reach * compass.reach) * glm::length(upright) *
+                 power(unit(upright), compass.folds);
+      if (pulls[i] == vec2(0) && graph.of(i).empty())  // nobody else to say
+        pulls[i] = power(unit(upright), compass.folds);
     }
   });
+  level.turn = std::move(turns);
+  level.pull = std::move(pulls);
 }
 
 // Nodes of the next level by their members, flat.
@@ -110,8 +101,12 @@ Members membersOf(const std::vector<Index>& parent, Index count) {
   return out;
 }
 
-Cloud meansOf(const Cloud& fine, const Members& members, Monitor& monitor) {
-  Cloud out;
+struct Means {
+  std::vector<vec3> positions, normals;  // n_l
+};
+
+Means meansOf(const Cloud& fine, const Members& members, Monitor& monitor) {
+  Means out;
   const std::size_t count = members.offset.size() - 1;
   out.positions.resize(count);
   out.normals.resize(count);
@@ -156,8 +151,8 @@ class Merger {
     for (std::size_t m = members_.offset[node]; m < members_.offset[node + 1]; ++m) {
       const Index i = members_.ids[m];
       for (std::size_t e = graph_.offset[i]; e < graph_.offset[i + 1]; ++e) {
-        const Index to = parent_[graph_.ids[e]];
-        if (to != node) merge(to, fine_.weight[e]);
+        const Index j = graph_.ids[e], to = parent_[j];
+        if (to != node) merge(to, fine_.weightOf(e, i, j));
       }
     }
     std::sort(row_.begin(), row_.end(), [](const Link& a, const Link& b) {
@@ -207,9 +202,15 @@ MergedLinks mergeLinks(const FieldLevel& level, const Cloud& fine, const Members
     for (std::size_t p = begin; p < end; ++p)
       merger.addRow(static_cast<Index>(p), chunks[begin / kGrain]);
   });
+  std::size_t links = 0;
+  for (const Rows& rows : chunks) links += rows.links.size();
   MergedLinks out;
-  out.graph.offset.assign(1, 0);
-  for (const Rows& rows : chunks) {
+  out.graph.offset.reserve(count + 1);
+  out.graph.offset.push_back(0);
+  out.graph.ids.reserve(links);
+  out.weight.reserve(links);
+  for (Rows& chunk : chunks) {
+    const Rows rows = std::move(chunk);  // not all of them twice at the same time
     for (const std::size_t length : rows.length)
       out.graph.offset.push_back(out.graph.offset.back() + length);
     for (const Link& link : rows.links) {
@@ -241,7 +242,7 @@ std::vector<Index> partsOf(const PointGraph& graph, const Bridges& bridges) {
   return part;
 }
 
-std::vector<vec2> parentTurns(const Cloud& fine, const Cloud& coarse,
+std::vector<vec2> parentTurns(const Cloud& fine, const Means& coarse,
                               const std::vector<Index>& parent, int folds, Monitor& monitor) {
   std::vector<vec2> turn(parent.size());
   parallelFor(monitor, turn.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -258,22 +259,20 @@ float facingOf(Creases creases) {
   return static_cast<float>(std::cos(kCreaseDegrees * std::numbers::pi / 180));
 }
 
-FieldLevels buildFieldLevels(const PointSet& points, const Neighborhoods& neighborhoods,
-                             const FieldOptions& options, int depth, Monitor& monitor) {
+FieldLevels clusterField(const PointSet& points, const Neighborhoods& neighborhoods,
+                         const FieldOptions& options, int depth, Monitor& monitor) {
   FieldLevels field;
-  const Compass compass{.up = usableUp(points.normals, options.up),
-                        .reach = static_cast<float>(std::max(reachOf(points.positions), 1e-12)),
-                        .folds = foldsOf(options.symmetry)};
-  Cloud cloud{.positions = points.positions, .normals = points.normals};
+  field.compass = {.up = usableUp(points.normals, options.up),
+                   .reach = static_cast<float>(std::max(reachOf(points.positions), 1e-12)),
+                   .folds = foldsOf(options.symmetry)};
   field.levels.emplace_back();
   field.levels[0].graph =
       linkBothWays(neighborhoods, points.normals, facingOf(options.creases), monitor);
-  cloud.weight = linkWeights(field.levels[0].graph, points.positions, monitor);
+  Cloud cloud{.positions = points.positions, .normals = points.normals};
+  Means means;      // the cloud's, but at the finest level
   Bridges bridges;  // between nodes of the last level
-  for (;;) {
+  while (static_cast<int>(field.levels.size()) < depth) {
     FieldLevel& level = field.levels.back();
-    connect(cloud, compass, level, monitor);
-    if (static_cast<int>(field.levels.size()) == depth) break;
     Index count = 0;
     std::vector<Index> parent = clusterByFour(level.graph, count, monitor);
     if (count < kFewestNodes || count > kLeastGain * static_cast<double>(level.size())) break;
@@ -281,16 +280,29 @@ FieldLevels buildFieldLevels(const PointSet& points, const Neighborhoods& neighb
     for (auto& [a, b] : bridges) a = level.parent[a], b = level.parent[b];
     monitor.checkpoint();
     const Members members = membersOf(level.parent, count);
-    Cloud coarse = meansOf(cloud, members, monitor);
+    Means coarse = meansOf(cloud, members, monitor);
     MergedLinks merged = mergeLinks(level, cloud, members, coarse.normals, monitor);
-    coarse.weight = std::move(merged.weight);
     bridges.insert(bridges.end(), merged.bridges.begin(), merged.bridges.end());
-    level.fromParent = parentTurns(cloud, coarse, level.parent, compass.folds, monitor);
-    cloud = std::move(coarse);
+    level.fromParent = parentTurns(cloud, coarse, level.parent, field.compass.folds, monitor);
+    means = std::move(coarse);
+    cloud = {means.positions, means.normals, std::move(merged.weight)};
     field.levels.emplace_back();
     field.levels.back().graph = std::move(merged.graph);
+    connect(cloud, field.compass, field.levels.back(), monitor);
   }
   field.part = partsOf(field.levels.back().graph, bridges);
+  return field;
+}
+
+void connectFinest(const PointSet& points, FieldLevels& field, Monitor& monitor) {
+  connect({.positions = points.positions, .normals = points.normals}, field.compass,
+          field.levels[0], monitor);
+}
+
+FieldLevels buildFieldLevels(const PointSet& points, const Neighborhoods& neighborhoods,
+                             const FieldOptions& options, int depth, Monitor& monitor) {
+  FieldLevels field = clusterField(points, neighborhoods, options, depth, monitor);
+  connectFinest(points, field, monitor);
   return field;
 }
 

@@ -27,13 +27,29 @@ struct FieldLevel {
   std::size_t size() const { return graph.size(); }
 };
 
+// Where pulls point to, and how strong they are.
+struct FieldCompass {
+  vec3 up{0, 1, 0};  // unit length
+  float reach = 1;   // local units
+  int folds = 1;
+};
+
 struct FieldLevels {
   std::vector<FieldLevel> levels;
   std::vector<Index> part;  // by node of the last level: nodes of one part hang together
+  FieldCompass compass;
 };
 
 // At most `depth` levels; fewer when there would be less than 16 nodes or they do not get fewer.
-// Throws Cancelled.
+// Without turns and pulls of the finest, which take as much memory as all the rest and are not
+// needed before its turn comes: connectFinest(). Throws Cancelled.
+FieldLevels clusterField(const PointSet& points, const Neighborhoods& neighborhoods,
+                         const FieldOptions& options, int depth, Monitor& monitor);
+
+// `points` are those of clusterField(). Throws Cancelled, then nothing has changed.
+void connectFinest(const PointSet& points, FieldLevels& field, Monitor& monitor);
+
+// Both.
 FieldLevels buildFieldLevels(const PointSet& points, const Neighborhoods& neighborhoods,
                              const FieldOptions& options, int depth, Monitor& monitor);
 

@@ -99,18 +99,21 @@ inline void prefetchRow(const FieldLevel& level, Index i) {
 
 template <class Value>
 void relax(const Relaxation<Value>& r, int sweeps, std::vector<Value>& values, Monitor& monitor) {
-  std::vector<Value> next(r.order.ids.size());
+  std::size_t most = 0;
+  for (std::size_t c = 0; c < ClassOrder::kClasses; ++c)
+    most = std::max(most, r.order.begin[c + 1] - r.order.begin[c]);
+  std::vector<Value> next(most);  // of a class
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::size_t c = 0; c < ClassOrder::kClasses; ++c) {
       const std::size_t first = r.order.begin[c], count = r.order.begin[c + 1] - first;
       forChunks(monitor, count, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = first + begin; k < first + end; ++k) {
           prefetchRow(r.level, r.order.ids[std::min(k + kAhead, r.order.ids.size() - 1)]);
-          next[k] = relaxed(r, r.order.ids[k], values);
+          next[k - first] = relaxed(r, r.order.ids[k], values);
         }
       });
       forChunks(monitor, count, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = first + begin; k < first + end; ++k) values[r.order.ids[k]] = next[k];
+        for (std::size_t k = begin; k < end; ++k) values[r.order.ids[first + k]] = next[k];
       });
     }
 }

@@ -15,9 +15,7 @@ namespace {
 OrientationField smooth(const PointSet& points, const Neighborhoods& neighborhoods,
                         std::span<const StrokeMark> marks, const FieldOptions& options,
                         Monitor& monitor) {
-  SmoothField field(points, neighborhoods, options, monitor);
-  field.solve(marks, monitor);
-  return field.take();
+  return SmoothField(points, neighborhoods, options, monitor).solveOnce(marks, monitor);
 }
 
 std::vector<TangentFrame> diffused(const PointSet& points, const Neighborhoods& neighborhoods,

@@ -183,6 +183,17 @@ std::vector<Index> freeOf(std::span<const Index> nodes, const std::vector<Fixed<
   return out;
 }
 
+// Gives the memory back; `= {}` would keep it.
+template <class T>
+void release(std::vector<T>& column) {
+  std::vector<T>().swap(column);
+}
+
+bool haveScales(std::span<const StrokeMark> marks) {
+  return std::any_of(marks.begin(), marks.end(),
+                     [](const StrokeMark& mark) { return mark.scale != 1; });
+}
+
 }  // namespace
 
 std::vector<Fixed<vec2>> fixedDirections(const PointSet& points, std::span<const StrokeMark> marks,
@@ -204,8 +215,7 @@ std::vector<Fixed<vec2>> fixedDirections(const PointSet& points, std::span<const
 
 std::vector<float> smoothScales(const FieldLevels& field, std::span<const StrokeMark> marks,
                                 Monitor& monitor) {
-  const auto sized = [](const StrokeMark& mark) { return mark.scale != 1; };
-  if (std::none_of(marks.begin(), marks.end(), sized)) return {};
+  if (!haveScales(marks)) return {};
   std::vector<StrokeMark> sorted(marks.begin(), marks.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const StrokeMark& a, const StrokeMark& b) { return a.point < b.point; });
@@ -238,7 +248,7 @@ SmoothField::SmoothField(const PointSet& points, const Neighborhoods& neighborho
                          const FieldOptions& options, Monitor& monitor)
     : points_(points),
       options_(options),
-      levels_(buildFieldLevels(points, neighborhoods, options, kMostLevels, monitor)),
+      levels_(clusterField(points, neighborhoods, options, kMostLevels, monitor)),
       value_(levels_.levels.size()) {}
 
 // The coarsest level, from nothing but what is fixed and pulled.
@@ -260,17 +270,32 @@ std::vector<vec2> SmoothField::coarsest(Monitor& monitor) const {
   return best;
 }
 
-void SmoothField::solveLevel(std::size_t l, Monitor& monitor) {
+void SmoothField::fix(std::span<const StrokeMark> marks) {
+  fixed_ = fixedLevels(levels_, fixedDirections(points_, marks, foldsOf(options_.symmetry)));
+  pulled_ = freeParts(levels_, nodesOf(fixed_.back()));
+}
+
+// What the next level found, where there is one.
+void SmoothField::enterLevel(std::size_t l, Monitor& monitor) {
+  if (l + 1 < levels_.levels.size()) value_[l] = prolong(levels_.levels[l], value_[l + 1], monitor);
+}
+
+void SmoothField::relaxLevel(std::size_t l, Monitor& monitor) {
+  if (l == 0 && levels_.levels[0].pull.empty()) connectFinest(points_, levels_, monitor);
   std::vector<vec2>& value = value_[l];
   if (l + 1 == levels_.levels.size()) {
     value = coarsest(monitor);
     return;
   }
   const FieldLevel& level = levels_.levels[l];
-  value = prolong(level, value_[l + 1], monitor);
   setFixed<vec2>(fixed_[l], value);
   relax<vec2>({level, orderOfFree<vec2>(level.size(), fixed_[l]), pulled_[l]}, sweepsOf(l), value,
               monitor);
+}
+
+void SmoothField::solveLevel(std::size_t l, Monitor& monitor) {
+  enterLevel(l, monitor);
+  relaxLevel(l, monitor);
 }
 
 void SmoothField::writeFrames(std::span<const StrokeMark> marks, Monitor& monitor) {
@@ -286,12 +311,30 @@ void SmoothField::writeFrames(std::span<const StrokeMark> marks, Monitor& monito
 }
 
 void SmoothField::solve(std::span<const StrokeMark> marks, Monitor& monitor) {
-  fixed_ = fixedLevels(levels_, fixedDirections(points_, marks, foldsOf(options_.symmetry)));
-  pulled_ = freeParts(levels_, nodesOf(fixed_.back()));
+  fix(marks);
   for (std::size_t l = levels_.levels.size(); l-- > 0;) solveLevel(l, monitor);
   seen_.clear();
   writeFrames(marks, monitor);
   field_.scale = smoothScales(levels_, marks, monitor);
+}
+
+OrientationField SmoothField::solveOnce(std::span<const StrokeMark> marks, Monitor& monitor) && {
+  if (haveScales(marks)) {  // they need the levels once more
+    solve(marks, monitor);
+    return std::move(field_);
+  }
+  fix(marks);
+  for (std::size_t l = levels_.levels.size(); l-- > 0;) {
+    FieldLevel& level = levels_.levels[l];
+    enterLevel(l, monitor);
+    if (l + 1 < levels_.levels.size()) release(value_[l + 1]);
+    release(level.parent), release(level.fromParent);
+    relaxLevel(l, monitor);
+    release(level.turn), release(level.pull);
+    if (l > 0) level.graph = PointGraph{};  // that of the points leads the frames
+  }
+  writeFrames(marks, monitor);
+  return std::move(field_);
 }
 
 // Of `nodes` those that turned since they were seen last; they count as seen now.

@@ -78,12 +78,17 @@ std::size_t paddedSize(int size) {
   return padded;
 }
 
-vec3 meanColour(const Swatch& swatch) {
-  dvec3 sum(0);
+// Colour and relief.
+glm::vec4 numbersAt(const Swatch& swatch, std::size_t i) {
+  return {swatch.colours()[i], swatch.relief.empty() ? 0 : swatch.relief.front()[i]};
+}
+
+glm::vec4 meanNumbers(const Swatch& swatch) {
+  glm::dvec4 sum(0);
   double count = 0;
   for (std::size_t i = 0; i < swatch.pixels(); ++i)
-    if (swatch.opaque[i]) sum += dvec3(swatch.colours()[i]), ++count;
-  return vec3(sum / count);
+    if (swatch.opaque[i]) sum += glm::dvec4(numbersAt(swatch, i)), ++count;
+  return glm::vec4(sum / count);
 }
 
 // Adds the power spectrum of the plane whose texel i is number(i).
@@ -102,10 +107,9 @@ void addPower(const Swatch& swatch, const Number& number, Plane& power, Monitor&
 }  // namespace
 
 Autocorrelation autocorrelation(const Swatch& swatch, Monitor& monitor) {
-  const vec3 mean = meanColour(swatch);
-  const std::vector<vec3>& colours = swatch.colours();
+  const glm::vec4 mean = meanNumbers(swatch);
   const auto deviation = [&](std::size_t i) {
-    return swatch.opaque[i] ? colours[i] - mean : vec3(0);
+    return swatch.opaque[i] ? numbersAt(swatch, i) - mean : glm::vec4(0);
   };
   Plane products(paddedSize(swatch.width), paddedSize(swatch.height));
   // Two channels at a time: what mixes them in the sum of the powers is odd, and only the real part
@@ -114,7 +118,8 @@ Autocorrelation autocorrelation(const Swatch& swatch, Monitor& monitor) {
       swatch, [&](std::size_t i) { return Complex(deviation(i).r, deviation(i).g); }, products,
       monitor);
   addPower(
-      swatch, [&](std::size_t i) { return Complex(deviation(i).b, 0); }, products, monitor);
+      swatch, [&](std::size_t i) { return Complex(deviation(i).b, deviation(i).a); }, products,
+      monitor);
   Plane pairs(products.width, products.height);
   addPower(
       swatch, [&](std::size_t i) { return Complex(swatch.opaque[i], 0); }, pairs, monitor);

@@ -11,7 +11,8 @@ namespace dapple {
 struct Autocorrelation {
   int reachX = 0, reachY = 0;  // half the swatch: beyond, too few texels overlap to tell
   // (2 reachX + 1) x (2 reachY + 1) for lags from (-reachX, -reachY) on, pixels: the mean product
-  // of deviations from the mean colour over all opaque texels that far apart, 1 at lag (0, 0).
+  // of deviations from the mean (of colour and relief) over all opaque texels that far apart, 1 at
+  // lag (0, 0).
   std::vector<float> values;
 
   float at(int x, int y) const {

@@ -11,11 +11,12 @@
 #include "base/hash_rng.h"
 #include "base/simd.h"
 #include "swatch/gaussian_blur.h"
+#include "swatch/swatch_relief.h"
 
 namespace dapple {
 namespace {
 
-constexpr int kSide = 5, kNodes = kSide * kSide, kNumbers = 3 * kNodes;
+constexpr int kSide = 5, kNodes = kSide * kSide;
 constexpr int kCodeNumbers = 16;
 constexpr std::size_t kMostPlaces = 8192;  // that are searched
 constexpr std::size_t kPieces = 200;       // that are searched for
@@ -36,27 +37,36 @@ class PieceReader {
                  .height = swatch.height,
                  .tileable = swatch.tileable,
                  .stack = {blurSwatch(swatch, 0.5 * step)}},
-        step_(static_cast<float>(step)) {}
+        step_(static_cast<float>(step)) {
+    if (swatch.relief.empty()) return;
+    std::vector<float>& relief = blurred_.relief.emplace_back();
+    for (const vec3& h : blurSwatch(reliefAsColours(swatch), 0.5 * step)) relief.push_back(h.x);
+  }
 
   vec2 size() const { return {blurred_.width, blurred_.height}; }
+  // Of a piece: 3 a node, or 4 where there is relief.
+  int numbers() const { return kNodes * (blurred_.relief.empty() ? 3 : 4); }
   bool wraps() const { return blurred_.tileable; }
   // How far from the border a piece lies that may be turned.
   float margin() const {
     return wraps() ? 0.5f : step_ * (kSide / 2) * std::numbers::sqrt2_v<float> + 0.5f;
   }
 
-  // Colours at the nodes around `centre`, less their mean; the rows turned by `angle` (radians).
+  // Colours and relief at the nodes around `centre`, less their mean; the rows turned by `angle`
+  // (radians).
   void read(vec2 centre, float angle, float* numbers) const {
     const vec2 right = step_ * vec2(std::cos(angle), std::sin(angle)), down(-right.y, right.x);
-    std::array<vec3, kNodes> colours;
-    vec3 sum(0);
+    std::array<glm::vec4, kNodes> values;
+    glm::vec4 sum(0);
     for (int n = 0; n < kNodes; ++n) {
       const vec2 node(n % kSide - kSide / 2, n / kSide - kSide / 2);
-      colours[n] = sampleSwatch(blurred_, centre + node.x * right + node.y * down);
-      sum += colours[n];
+      const vec2 at = centre + node.x * right + node.y * down;
+      values[n] = glm::vec4(sampleSwatch(blurred_, at), sampleRelief(blurred_, at));
+      sum += values[n];
     }
+    const int each = this->numbers() / kNodes;
     for (int n = 0; n < kNodes; ++n)
-      for (int c = 0; c < 3; ++c) numbers[3 * n + c] = colours[n][c] - sum[c] / kNodes;
+      for (int c = 0; c < each; ++c) numbers[each * n + c] = values[n][c] - sum[c] / kNodes;
   }
 
  private:
@@ -95,7 +105,7 @@ std::vector<vec2> piecePlaces(const Area& area) {
 
 Matrix readAll(const PieceReader& reader, const std::vector<vec2>& places, float angle,
                Monitor& monitor) {
-  Matrix out(static_cast<Eigen::Index>(places.size()), kNumbers);
+  Matrix out(static_cast<Eigen::Index>(places.size()), reader.numbers());
   parallelFor(monitor, places.size(), kReadGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       reader.read(places[i], angle, out.row(static_cast<Eigen::Index>(i)).data());

@@ -12,9 +12,9 @@ struct SelfMatch {
   double half = 1, quarter = 1, eighth = 1;  // turned by 180, 90 and 45 degrees
 };
 
-// Squares of 5 x 5 nodes, `step` >= 1 pixels apart, in places spread over level 0, compared but for
-// their mean colours. Deterministic. All 1 for a swatch too small for two pieces side by side, or
-// of one colour. Throws Cancelled.
+// Squares of 5 x 5 nodes, `step` >= 1 pixels apart, in places spread over level 0, compared by
+// colours and relief but for their means. Deterministic. All 1 for a swatch too small for two
+// pieces side by side, or of one colour. Throws Cancelled.
 SelfMatch selfMatch(const Swatch& swatch, double step, Monitor& monitor);
 
 }  // namespace dapple

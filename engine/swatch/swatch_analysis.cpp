@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "swatch/autocorrelation.h"
 #include "swatch/gaussian_blur.h"
+#include "swatch/swatch_relief.h"
 
 namespace dapple {
 namespace {
@@ -21,8 +23,15 @@ constexpr double kLargestFine = 2, kLargestCoarse = 6;  // pixels
 constexpr double kTurnShows = 1.19;
 // A quarter turn may not show at all: letters lying on their sides are at 1.18.
 constexpr double kQuarterShows = 1.1;
-constexpr double kLattice = 0.22;    // wood has up to 0.15, reptile skin 0.26
-constexpr double kStepsAcross = 12;  // the swatch, at least
+constexpr double kLattice = 0.22;  // wood has up to 0.15, reptile skin 0.26
+// Where no turn shows: roof tiles under much dust, which outweighs what a turn changes, have 0.25,
+// the leopards, olives and pebbles that come nearest to a lattice 0.14.
+constexpr double kLatticeGoesOn = 0.18;
+constexpr std::size_t kMostRepeats = 40;  // that lattices are made of
+constexpr int kLatticeSteps = 6;          // each way
+constexpr int kFewestSteps = 8;           // within reach, of a lattice that counts
+constexpr double kReach = 0.9;            // of the autocorrelation's, for a lattice
+constexpr double kStepsAcross = 12;       // the swatch, at least
 constexpr double kUncorrelated = 0.1, kFlatCorrelation = 0.01;  // a pixel
 constexpr double kSecondAngle = 30;  // degrees between two repeats that make a lattice
 
@@ -32,39 +41,60 @@ Swatch reduced(const Swatch& swatch, int factor, Monitor& monitor) {
   Swatch out{
       .width = cells(swatch.width), .height = cells(swatch.height), .tileable = swatch.tileable};
   std::vector<vec3> colours(out.pixels(), vec3(0));
+  const float* heights = swatch.relief.empty() ? nullptr : swatch.relief.front().data();
+  std::vector<float> relief(heights ? out.pixels() : 0);
   out.opaque.assign(out.pixels(), 0);
   for (int y = 0; y < out.height; ++y) {
     monitor.checkpoint();
     for (int x = 0; x < out.width; ++x) {
       vec3 sum(0);
-      float count = 0;
+      float count = 0, height = 0;
       for (int v = y * swatch.height / out.height; v < (y + 1) * swatch.height / out.height; ++v)
         for (int u = x * swatch.width / out.width; u < (x + 1) * swatch.width / out.width; ++u) {
           const std::size_t i = static_cast<std::size_t>(v) * swatch.width + u;
-          if (swatch.opaque[i]) sum += swatch.colours()[i], ++count;
+          if (!swatch.opaque[i]) continue;
+          sum += swatch.colours()[i], ++count;
+          if (heights) height += heights[i];
         }
       const std::size_t i = static_cast<std::size_t>(y) * out.width + x;
       out.opaque[i] = count > 0;
       if (count > 0) colours[i] = sum / count;
+      if (count > 0 && heights) relief[i] = height / count;
       out.hasHoles |= count == 0;
     }
   }
   if (out.hasHoles) fillHoles(out, colours);
   out.stack.push_back(std::move(colours));
+  if (heights) setRelief(out, std::move(relief));
   return out;
 }
 
-// Coherence and direction of the structure tensor, summed over the swatch.
-void measureAnisotropy(const Swatch& swatch, SwatchAnalysis& out) {
+struct Tensor {
+  double xx = 0, xy = 0, yy = 0;
+};
+
+void addGradients(const Swatch& swatch, Tensor& sum) {
   const std::vector<vec3> colours = blurSwatch(swatch, kTensorBlur);
   const std::size_t w = swatch.width;
-  double xx = 0, xy = 0, yy = 0;
   for (std::size_t y = 1; y + 1 < static_cast<std::size_t>(swatch.height); ++y)
     for (std::size_t x = 1; x + 1 < w; ++x) {
       const std::size_t i = y * w + x;
       const vec3 right = colours[i + 1] - colours[i - 1], up = colours[i - w] - colours[i + w];
-      xx += glm::dot(right, right), xy += glm::dot(right, up), yy += glm::dot(up, up);
+      sum.xx += glm::dot(right, right), sum.xy += glm::dot(right, up), sum.yy += glm::dot(up, up);
     }
+}
+
+// Coherence and direction of the structure tensor, summed over the swatch.
+void measureAnisotropy(const Swatch& swatch, SwatchAnalysis& out) {
+  Tensor sum;
+  addGradients(swatch, sum);
+  if (!swatch.relief.empty()) {
+    // As one colour more, not three.
+    Swatch heights = reliefAsColours(swatch);
+    for (vec3& h : heights.stack.front()) h *= std::numbers::inv_sqrt3_v<float>;
+    addGradients(heights, sum);
+  }
+  const auto [xx, xy, yy] = sum;
   if (xx + yy < 1e-9) return;
   out.anisotropy = std::hypot(xx - yy, 2 * xy) / (xx + yy);
   const double steepest = 0.5 * std::atan2(2 * xy, xx - yy) * 180 / std::numbers::pi;
@@ -109,20 +139,64 @@ std::vector<Repeat> repeatsOf(const Autocorrelation& c, double feature) {
   return out;
 }
 
-void measureRepeats(const Autocorrelation& c, SwatchAnalysis& out) {
+bool crosses(vec2 a, vec2 b) {
+  static const float sine = static_cast<float>(std::sin(kSecondAngle * std::numbers::pi / 180));
+  return std::abs(a.x * b.y - a.y * b.x) > sine * glm::length(a) * glm::length(b);
+}
+
+struct Lattice {
+  vec2 a{0}, b{0};
+};
+
+// The largest about each of the lattice's places beside lag 0, on average; no number with few.
+double meanAt(const Autocorrelation& c, const Lattice& lattice, vec2 shift, int fewest) {
+  const vec2 reach = static_cast<float>(kReach) * vec2(c.reachX, c.reachY);
+  double sum = 0;
+  int count = 0;
+  for (int v = -kLatticeSteps; v <= kLatticeSteps; ++v)
+    for (int u = -kLatticeSteps; u <= kLatticeSteps; ++u) {
+      const vec2 step = vec2(u, v) + shift;
+      const vec2 at = step.x * lattice.a + step.y * lattice.b;
+      if (step == vec2(0) || glm::any(glm::greaterThan(glm::abs(at), reach - 1.5f))) continue;
+      const ivec2 lag(glm::round(at));
+      float most = -1;
+      for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) most = std::max(most, c.at(lag.x + x, lag.y + y));
+      sum += most, ++count;
+    }
+  return count < fewest ? std::numeric_limits<double>::quiet_NaN() : sum / count;
+}
+
+double latticeFit(const Autocorrelation& c, std::vector<Repeat> repeats, Monitor& monitor) {
+  const auto stronger = [](const Repeat& a, const Repeat& b) { return a.value > b.value; };
+  std::stable_sort(repeats.begin(), repeats.end(), stronger);
+  repeats.resize(std::min(repeats.size(), kMostRepeats));
+  double best = 0;
+  for (std::size_t i = 0; i < repeats.size(); ++i) {
+    monitor.checkpoint();
+    for (std::size_t j = i + 1; j < repeats.size(); ++j) {
+      const Lattice lattice{repeats[i].lag, repeats[j].lag};
+      if (!crosses(lattice.a, lattice.b)) continue;
+      double fit = meanAt(c, lattice, vec2(0), kFewestSteps);
+      for (const vec2 half : {vec2(0.5f, 0), vec2(0, 0.5f), vec2(0.5f)})
+        fit -= meanAt(c, lattice, half, 1) / 3;
+      if (fit > best) best = fit;  // false for no number
+    }
+  }
+  return best;
+}
+
+void measureRepeats(const Autocorrelation& c, SwatchAnalysis& out, Monitor& monitor) {
   const std::vector<Repeat> repeats = repeatsOf(c, out.feature);
   Repeat first, second;
   for (const Repeat& r : repeats)
     if (r.value > first.value) first = r;
-  const float sine = static_cast<float>(std::sin(kSecondAngle * std::numbers::pi / 180));
-  for (const Repeat& r : repeats) {
-    const float cross = std::abs(first.lag.x * r.lag.y - first.lag.y * r.lag.x);
-    if (r.value > second.value && cross > sine * glm::length(first.lag) * glm::length(r.lag))
-      second = r;
-  }
+  for (const Repeat& r : repeats)
+    if (r.value > second.value && crosses(first.lag, r.lag)) second = r;
   out.regularity = first.value;
   out.period = first.lag;
   out.lattice = second.value;
+  out.latticeFit = latticeFit(c, repeats, monitor);
 }
 
 // A turn shows where it shows at either size.
@@ -154,15 +228,21 @@ std::string_view patternName(PatternKind kind) {
   return {};
 }
 
+bool SwatchAnalysis::turnShows() const {
+  return std::max({turned.half, turned.quarter, turned.eighth}) >= kTurnShows;
+}
+
 PatternKind SwatchAnalysis::kind() const {
-  if (std::max({turned.half, turned.quarter, turned.eighth}) < kTurnShows)
-    return PatternKind::Isotropic;
+  if (!turnShows())
+    return latticeFit >= kLatticeGoesOn ? PatternKind::Regular : PatternKind::Isotropic;
   return lattice >= kLattice ? PatternKind::Regular : PatternKind::Directional;
 }
 
 int SwatchAnalysis::folds() const {
   if (kind() == PatternKind::Isotropic) return 0;
   if (turned.half >= kTurnShows) return 1;
+  // Rows that no piece shows: they have a direction for all that.
+  if (!turnShows()) return 2;
   return turned.quarter >= kQuarterShows ? 2 : 4;
 }
 
@@ -176,7 +256,7 @@ SwatchAnalysis analyse(const Swatch& swatch, Monitor& monitor) {
   measureAnisotropy(small, out);
   const Autocorrelation correlation = autocorrelation(small, monitor);
   out.feature = featureSize(radialMean(correlation));
-  measureRepeats(correlation, out);
+  measureRepeats(correlation, out, monitor);
   measureTurns(small, out, monitor);
   out.feature *= factor;
   out.period *= factor;

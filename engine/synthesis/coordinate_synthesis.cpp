@@ -29,8 +29,15 @@ class Synthesizer {
     surface_ = thinSurface(in_, wanted, monitor_);
     monitor_.begin(Stage::Synthesis, in_.points.size());
     planWork();
-    PlaceLevels levels(in_, surface_, task());
     std::vector<float> errors(in_.points.size(), 0.0f);
+    const std::vector<Place> places = relaxed(errors);
+    write(places, errors);
+  }
+
+ private:
+  // The place of every point. What it takes to find them has gone when it returns.
+  std::vector<Place> relaxed(std::vector<float>& errors) {
+    PlaceLevels levels(in_, surface_, task());
     for (std::size_t l = surface_.size(); l-- > 0;) {
       levels.enter(l, monitor_);
       const auto afterClass = [&] {
@@ -41,10 +48,9 @@ class Synthesizer {
         levels.relax(passesOf(l), afterClass, l == 0 ? &errors : nullptr, monitor_);
       if (l > 0) surface_[l].near = {};
     }
-    write(levels.places(), errors);
+    return levels.places();
   }
 
- private:
   int passesOf(std::size_t l) const {
     return passesOver(surface_[l].level, l + 1 == surface_.size(), options_.quality);
   }
@@ -104,6 +110,7 @@ class Synthesizer {
     const std::size_t n = in_.points.size();
     std::vector<vec2> texel = map_.texel;
     std::vector<vec3> colour = map_.colour;
+    texel.resize(n), colour.resize(n);
     parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         if (in_.isKept(i)) continue;
@@ -113,6 +120,8 @@ class Synthesizer {
     });
     map_.texel = std::move(texel);
     map_.colour = std::move(colour);
+    map_.error.resize(n), map_.frame.resize(n), map_.state.resize(n);
+    map_.patch.resize(n), map_.order.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       if (in_.isKept(i)) continue;
       map_.error[i] = errors[i];
@@ -140,7 +149,14 @@ class Synthesizer {
 void synthesizeCoordinates(const SynthesisInput& input, const CoordinateOptions& options,
                            SourceMap& map, Monitor& monitor) {
   DAPPLE_CHECK(input.frames.size(), ==, input.points.size());
-  if (PlaceDomain(input.swatch).empty()) return scatterTexels(input, options.seed, map, monitor);
+  if (PlaceDomain(input.swatch).empty()) {
+    if (map.texel.empty()) {
+      std::vector<float> scale = std::move(map.scale);
+      map = emptySourceMap(input.points.size(), input.unit);
+      map.scale = std::move(scale);
+    }
+    return scatterTexels(input, options.seed, map, monitor);
+  }
   Synthesizer(input, options, map, monitor).run();
 }
 

@@ -15,8 +15,9 @@ struct CoordinateOptions {
 };
 
 // Colours every point of `map` that is not kept. Writes texel, frame, colour, state = Matched,
-// patch = kNone, error and order (the level on which a point was first placed, coarsest 0). The
-// same bytes at any number of threads. Throws Cancelled; then the map is as it was.
+// patch = kNone, error and order (the level on which a point was first placed, coarsest 0). Where
+// nothing is kept the map need not have columns before: without them the search has more memory to
+// itself. The same bytes at any number of threads. Throws Cancelled; then the map is as it was.
 void synthesizeCoordinates(const SynthesisInput& input, const CoordinateOptions& options,
                            SourceMap& map, Monitor& monitor);
 

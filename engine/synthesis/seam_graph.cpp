@@ -1,6 +1,6 @@
-// Cost of a seam after Kwatra et al. 2003: at both ends of an edge the colour differs between the
-// two layouts that meet there. All costs are looked up many times by the cuts, so they are computed
-// once.
+// Cost of a seam after Kwatra et al. 2003: at both ends of an edge the colour, and the relief where
+// there is one, differs between the two layouts that meet there. All costs are looked up many times
+// by the cuts, so they are computed once.
 #include "synthesis/seam_graph.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ constexpr std::size_t kEdges = 8;        // nearest neighbours that a seam is co
 constexpr float kPerDistortion = 0.01f;  // cost of D = 1, as a colour difference
 constexpr float kMostDistortion = 5;     // counted
 constexpr float kUnknownSheet = 0.1f;    // added where a sheet ends at a point
-static_assert(kSeamCost * 2 * (kUnknownSheet + 1.7321f) < 65535, "costs are 16 bits wide");
+static_assert(kSeamCost * 2 * (kUnknownSheet + 2) < 65535, "costs are 16 bits wide");
 
 class Builder {
  public:
@@ -67,6 +67,8 @@ class Builder {
     graph_.source.resize(graph_.first[n]);
     graph_.texel.resize(graph_.first[n]);
     graph_.colour.resize(graph_.first[n]);
+    const bool hasRelief = !input_.swatch.relief.empty();
+    if (hasRelief) graph_.relief.resize(graph_.first[n]);
     parallelFor(monitor_, n, kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         Index next = graph_.first[i];
@@ -77,6 +79,7 @@ class Builder {
           graph_.texel[next] = own ? map_.texel[i] : texelOf(c);
           graph_.colour[next] =
               own ? map_.colour[i] : sampleSwatch(input_.swatch, graph_.texel[next]);
+          if (hasRelief) graph_.relief[next] = sampleRelief(input_.swatch, graph_.texel[next]);
           ++next;
         }
       }
@@ -154,6 +157,13 @@ class Builder {
     return graph_.firstData[node + 1] - graph_.firstData[node];
   }
 
+  // Of two candidates.
+  float difference(Index a, Index b) const {
+    const vec3 colours = graph_.colour[a] - graph_.colour[b];
+    const float heights = graph_.relief.empty() ? 0 : graph_.relief[a] - graph_.relief[b];
+    return glm::length(glm::vec4(colours, heights));
+  }
+
   // Costs of distortion, and how candidates of the same point differ.
   void fillNodes() {
     firstApart_.assign(1, 0);
@@ -169,8 +179,7 @@ class Builder {
           graph_.data[graph_.firstData[u] + a] = static_cast<std::int32_t>(
               kSeamCost * kPerDistortion * std::min(distortion, kMostDistortion));
           for (Index b = 0; b < count; ++b)
-            apart_[firstApart_[u] + a * count + b] =
-                glm::length(graph_.colour[first + a] - graph_.colour[first + b]);
+            apart_[firstApart_[u] + a * count + b] = difference(first + a, first + b);
         }
       }
     });
@@ -188,7 +197,7 @@ class Builder {
         const bool goesOn = here == a || continuation(mine + a, pair.point) == 0;
         if (a == 0 && !goesOn) graph_.torn[pair.node] = 1;
         if (goesOn) continue;
-        const float across = glm::length(graph_.colour[mine + a] - graph_.colour[theirs]);
+        const float across = difference(mine + a, theirs);
         const float atNode = here == kNoLink ? kUnknownSheet + across : apart(pair.node, a, here);
         graph_.data[graph_.firstData[pair.node] + a] += asCost(atNode + kUnknownSheet + across);
       }
@@ -220,10 +229,9 @@ class Builder {
       for (Index b = 0; b < theirCount; ++b) {
         std::int32_t cost = 0;
         if (there[a] != b && here[b] != a) {
-          const float across =
-              there[a] == kNoLink || here[b] == kNoLink
-                  ? kUnknownSheet + glm::length(graph_.colour[mine + a] - graph_.colour[theirs + b])
-                  : 0;
+          const float across = there[a] == kNoLink || here[b] == kNoLink
+                                   ? kUnknownSheet + difference(mine + a, theirs + b)
+                                   : 0;
           cost = asCost((here[b] == kNoLink ? across : apart(pair.low, a, here[b])) +
                         (there[a] == kNoLink ? across : apart(pair.high, b, there[a])));
         }

@@ -23,6 +23,7 @@ struct SeamGraph {
   std::vector<Index> source;  // place in the overlap
   std::vector<vec2> texel;
   std::vector<vec3> colour;
+  std::vector<float> relief;  // empty: the swatch has none
 
   // By node.
   std::vector<Index> point;        // ascending

@@ -75,6 +75,13 @@ std::size_t passesOf(const TextureOptions& options) {
   }
 }
 
+// Coordinates take the memory for the columns only once they are found.
+SourceMap startingMap(const SynthesisInput& input, Method method) {
+  if (input.kept) return *input.kept;
+  if (method == Method::Coordinates) return {.unit = input.unit};
+  return emptySourceMap(input.points.size(), input.unit);
+}
+
 void note(const PatchStatistics& patches, std::size_t points, SynthesisStatistics& statistics) {
   statistics.patches = patches.patches;
   statistics.gapShare = static_cast<double>(patches.gapPoints) / static_cast<double>(points);
@@ -120,7 +127,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
   const SynthesisInput& input = charted.get();
   const std::size_t n = input.points.size();
   monitor.begin(Stage::Synthesis, n, passesOf(options));
-  SynthesisResult result{.map = input.kept ? *input.kept : emptySourceMap(n, input.unit)};
+  SynthesisResult result{.map = startingMap(input, options.method)};
   result.map.scale.assign(input.scale.begin(), input.scale.end());
   SourceMap& map = result.map;
   DAPPLE_CHECK(options.method == Method::Auto, ==, false);
