@@ -36,7 +36,7 @@ std::size_t bytesOf(const PreparedScan& prepared) {
 }
 
 std::size_t bytesOf(const Swatch& swatch) {
-  std::size_t sum = bytesOf(swatch.opaque);
+  std::size_t sum = bytesOf(swatch.opaque) + swatch.tables.bytes();
   for (const auto& level : swatch.stack) sum += bytesOf(level);
   for (const auto& level : swatch.relief) sum += bytesOf(level);
   return sum;

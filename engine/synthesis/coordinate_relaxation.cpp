@@ -44,7 +44,7 @@ PlaceRelaxation::PlaceRelaxation(const SiteLevel& sites, const AppearanceLevel& 
       usage_(domain, appearance, sites.size) {
   DAPPLE_CHECK(sites.k, <=, kMostNear);
   DAPPLE_CHECK(places.size(), ==, sites.size);
-  if (!domain.tileable()) similar_ = SimilarPlaces(appearance, domain, monitor);
+  if (!domain.tileable()) similar_ = similarPlacesOf(appearance, domain, monitor);
   std::vector<Index> free;
   free.reserve(sites.size);
   for (std::size_t i = 0; i < sites.size; ++i)
@@ -63,7 +63,7 @@ PlaceUpdate PlaceRelaxation::update() const {
       .usage = usage_.map(),
       .places = places_.data(),
       .looks = looks_.data(),
-      .similar = similar_.empty() ? nullptr : &similar_,
+      .similar = similar_ && !similar_->empty() ? similar_.get() : nullptr,
       .merge = static_cast<std::int32_t>(
           std::ldexp(mergeSteps(sites_.level) * kPlaceScale, sites_.level)),
       .nearby = sites_.rigid ? 0 : kNearbySteps << (kPlaceBits + sites_.level),
