@@ -87,6 +87,10 @@ vec3 mixed(const Results& results, const vec3& own, std::span<const BorderTerm> 
 // The results with another border, of which `made` says which entries are not as they were.
 Results withBorder(const Results& results, BorderMix border, const std::vector<bool>& made) {
   Results out = results;
+  if (!results.border && border.points.empty()) {
+    dropUnusedSources(out);
+    return out;
+  }
   std::vector<vec3> colour = *results.colour;
   if (results.border)
     for (std::size_t b = 0; b < results.border->points.size(); ++b)
