@@ -221,7 +221,7 @@ Stroke eastward(const Document& d, std::size_t number, std::size_t of, float tur
 
 // One of many strokes is turned: what is synthesized again, and how long it takes.
 void benchEdits(const Document& opened, Method method, const char* name) {
-  constexpr std::size_t kStrokes = 102;  // so few that turning one concerns some 20,000 points
+  constexpr std::size_t kStrokes = 98;  // so few that turning one concerns some 20,000 points
   Workers workers;
   Monitor monitor(workers);
   std::unique_ptr<RegionField> kept;

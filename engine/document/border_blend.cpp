@@ -162,6 +162,7 @@ bool asksForSameBorder(const Region& a, const Region& b) {
 
 Results blendBorders(const Document& document, Monitor& monitor) {
   if (!document.results.source) return document.results;
+  if (document.regions->size() == 1 && !document.results.border) return document.results;
   const BorderSides sides(document);
   std::vector<BorderShare> shares = borderShares(document, sides, monitor);
   const std::vector<vec3> colours =

@@ -159,9 +159,12 @@ const Region* findRegion(const Document& document, RegionId id) {
 }
 
 std::vector<Index> pointsOf(const Document& document, RegionId id) {
+  if (!document.labels) return {};
+  const std::vector<RegionId>& labels = *document.labels;
   std::vector<Index> out;
+  out.reserve(static_cast<std::size_t>(std::count(labels.begin(), labels.end(), id)));
   for (std::size_t i = 0; i < document.size(); ++i)
-    if ((*document.labels)[i] == id) out.push_back(static_cast<Index>(i));
+    if (labels[i] == id) out.push_back(static_cast<Index>(i));
   return out;
 }
 
