@@ -93,8 +93,8 @@ std::vector<float> PlaceRelaxation::errors(Monitor& monitor) const {
   std::vector<float> out(sites_.size);
   const PlaceUpdate task = update();
   inChunks(monitor, sites_.size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      out[i] = std::sqrt(placeError(task, static_cast<Index>(i))) / appearance_.unit;
+    placeErrors(task, static_cast<Index>(begin), std::span(out).subspan(begin, end - begin));
+    for (std::size_t i = begin; i < end; ++i) out[i] = std::sqrt(out[i]) / appearance_.unit;
   });
   return out;
 }
