@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <set>
 
 #include "base/errors.h"
 #include "document/region_field.h"
@@ -135,6 +136,40 @@ TEST_CASE("a stroke at one end changes that end alone, and the pattern follows i
     // As whole as one piece.
     const double whole = coherence(applied(drawn, Synthesize{}));
     CHECK(coherence(after) > whole - 0.03);
+  }
+}
+
+TEST_CASE("statistics after an edit are those of all points") {
+  const TestFolder folder;
+  for (const Method method : {Method::Hybrid, Method::Patches, Method::Match}) {
+    CAPTURE(static_cast<int>(method));
+    const Document before =
+        upright(folder, {.method = method, .neighbours = 16, .repair = 0});  // which ends blends
+    const Document after = applied(withStroke(before, {54, 2}, {59, 10}), kAgain);
+    const Results& results = after.results;
+    std::set<Index> patches(results.patch->begin(), results.patch->end());
+    patches.erase(kNone);
+    std::size_t matched = 0, laid = 0;
+    double distortion = 0;
+    for (Index i = 0; i < after.size(); ++i) {
+      matched += (*results.state)[i] == PointState::Matched ? 1 : 0;
+      if ((*results.state)[i] != PointState::Patch) continue;
+      ++laid;
+      distortion += double{(*results.error)[i]};
+    }
+    const SynthesisStatistics& told = results.sources[0]->statistics;
+    const auto n = static_cast<double>(after.size());
+    CHECK(told.patches == patches.size());
+    CHECK(told.matchedShare == doctest::Approx(static_cast<double>(matched) / n));
+    if (laid > 0)
+      CHECK(told.meanDistortion == doctest::Approx(distortion / static_cast<double>(laid)));
+    else
+      CHECK(told.meanDistortion == 0);
+    // What is blended is told in the order of points, one list for all.
+    const ResultSource& source = *results.sources[0];
+    CHECK(std::is_sorted(source.blended.begin(), source.blended.end()));
+    CHECK(source.blended.empty() == (method != Method::Patches));
+    if (!source.blended.empty()) CHECK(source.blendEnd.back() == source.blend.size());
   }
 }
 

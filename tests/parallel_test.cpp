@@ -3,8 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/errors.h"
@@ -59,6 +61,26 @@ TEST_CASE("progress runs from 0 to 1 and never shows a fraction above 1") {
   REQUIRE(!seen.empty());
   CHECK(seen.front() == 0.0);
   for (double f : seen) CHECK(f <= 1.0);
+}
+
+TEST_CASE("previews that take long leave time for the work") {
+  using Clock = std::chrono::steady_clock;
+  Workers workers(1);
+  Clock::duration took{};
+  std::vector<Clock::time_point> asked;
+  MonitorCallbacks callbacks;
+  callbacks.preview = [&](const Preview&) {
+    const auto start = Clock::now();
+    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    if (asked.size() < 3) took += Clock::now() - start;
+  };
+  Monitor monitor(workers, {}, callbacks);
+  while (asked.size() < 3) {
+    if (!monitor.wantsPreview()) continue;
+    asked.push_back(Clock::now());
+    monitor.publish({});
+  }
+  CHECK(asked[2] - asked[0] >= 3 * took);
 }
 
 TEST_CASE("a broken promise names both values") {

@@ -11,6 +11,9 @@ constexpr std::chrono::milliseconds kInterval{100};
 // From one preview to the next: 5 a second, with a margin for what is not asked in time.
 constexpr std::chrono::milliseconds kLongestInterval{130};
 constexpr int kPreviewShare = 50;  // 1 / 50 of the time
+// 1 / 4 of it, however long that makes the interval: on a busy machine, or of a large scan,
+// previews would leave no time for what they show.
+constexpr int kMostPreviewShare = 4;
 
 }  // namespace
 
@@ -113,8 +116,10 @@ bool Monitor::wantsPreview() {
 void Monitor::publish(const Preview& preview) {
   if (!callbacks_.preview) return;
   callbacks_.preview(preview);
-  const Clock::duration rest = kPreviewShare * (Clock::now() - previewAsked_);
-  nextPreview_ = previewAsked_ + std::clamp<Clock::duration>(rest, kInterval, kLongestInterval);
+  const Clock::duration took = Clock::now() - previewAsked_;
+  const auto wished =
+      std::clamp<Clock::duration>(kPreviewShare * took, kInterval, kLongestInterval);
+  nextPreview_ = previewAsked_ + std::max<Clock::duration>(wished, kMostPreviewShare * took);
 }
 
 void parallelFor(Monitor& monitor, std::size_t count, std::size_t grain,

@@ -55,7 +55,7 @@ class PauseGate {
 // Every long function takes one Monitor& last and calls checkpoint() at least every 10 ms of work.
 // checkpoint(), advance() and cancelled() may be called from any thread; the callbacks come at most
 // 10 times a second, one at a time; previews less often when taking them costs more than 2 % of the
-// time, down to 5 a second.
+// time, down to 5 a second, and to fewer where they would take more than a quarter of it.
 class Monitor {
  public:
   // A `gate` outlives this; while it is paused, checkpoint() waits.

@@ -101,7 +101,8 @@ Change synthesized(const Document& document, const Synthesize& command,
       document,
       synthesizeRegions(
           document, {regions, command.onlyChanged, command.onlyChanged ? context.field : nullptr},
-          context.watch, monitor));
+          context.watch, monitor),
+      monitor.workers());
   return withBlendedBorders(made, context.watch, monitor);
 }
 
@@ -326,7 +327,9 @@ Change compute(const Document& document, const Command& command, const CommandCo
                 exportScan(document, c, monitor);
                 return nothing();
               },
-              [&](const ClearResult& c) { return always(withoutResults(document, c.region)); },
+              [&](const ClearResult& c) {
+                return always(withoutResults(document, c.region, monitor.workers()));
+              },
               [&](const SetSwatch& c) { return always(edited(document, c, context)); },
               [&](const auto& c) -> Change {
                 using C = std::remove_cvref_t<decltype(c)>;

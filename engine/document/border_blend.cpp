@@ -87,6 +87,10 @@ vec3 mixed(const Results& results, const vec3& own, std::span<const BorderTerm> 
 // The results with another border, of which `made` says which entries are not as they were.
 Results withBorder(const Results& results, BorderMix border, const std::vector<bool>& made) {
   Results out = results;
+  if (!results.border && border.points.empty()) {
+    dropUnusedSources(out);
+    return out;
+  }
   std::vector<vec3> colour = *results.colour;
   if (results.border)
     for (std::size_t b = 0; b < results.border->points.size(); ++b)
@@ -158,6 +162,7 @@ bool asksForSameBorder(const Region& a, const Region& b) {
 
 Results blendBorders(const Document& document, Monitor& monitor) {
   if (!document.results.source) return document.results;
+  if (document.regions->size() == 1 && !document.results.border) return document.results;
   const BorderSides sides(document);
   std::vector<BorderShare> shares = borderShares(document, sides, monitor);
   const std::vector<vec3> colours =

@@ -22,21 +22,21 @@ BorderSides::BorderSides(const Document& document)
   }
   const Results& results = document.results;
   // Of several results of one region the newest counts.
+  std::vector<std::uint8_t> usable(results.sources.size());
+  for (std::size_t s = 0; s < usable.size(); ++s)
+    usable[s] = !results.sources[s]->partial && results.sources[s]->swatch;
+  const auto isOf = [&](std::uint16_t s, RegionId region) {
+    return s != kNoSource && usable[s] && results.sources[s]->region == region;
+  };
+  const std::vector<std::uint16_t>& source = *results.source;
+  const std::vector<RegionId>& label = *document.labels;
+  for (std::size_t i = 0; i < document.size(); ++i) {
+    std::uint16_t& newest = source_[label[i]];
+    if (source[i] == newest || !isOf(source[i], label[i])) continue;
+    if (newest == kNoSource || source[i] > newest) newest = source[i];
+  }
   for (std::size_t i = 0; i < document.size(); ++i)
-    if (usable(i)) {
-      std::uint16_t& newest = source_[(*document.labels)[i]];
-      if (newest == kNoSource || (*results.source)[i] > newest) newest = (*results.source)[i];
-    }
-  for (std::size_t i = 0; i < document.size(); ++i)
-    takesPart_[i] = usable(i) && source_[(*document.labels)[i]] == (*results.source)[i];
-}
-
-bool BorderSides::usable(std::size_t i) const {
-  const Results& results = document_.results;
-  const std::uint16_t s = (*results.source)[i];
-  if (s == kNoSource) return false;
-  const ResultSource& source = *results.sources[s];
-  return !source.partial && source.swatch && source.region == (*document_.labels)[i];
+    takesPart_[i] = source[i] != kNoSource && source_[label[i]] == source[i];
 }
 
 BorderKind BorderSides::kind(RegionId a, RegionId b) const {

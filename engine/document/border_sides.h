@@ -44,7 +44,6 @@ class BorderSides {
   Halo haloOf(RegionId region, std::span<const Index> rim, Monitor& monitor) const;
 
  private:
-  bool usable(std::size_t i) const;
   void spareNarrow(RegionId region, std::span<const float> distance, Halo& halo) const;
 
   const Document& document_;

@@ -1,6 +1,7 @@
 #include "document/changed_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -34,8 +35,16 @@ bool turned(const TangentFrame& was, const TangentFrame& is, int folds, float co
   return !(along > cosine);
 }
 
-std::vector<std::uint8_t> changedPoints(const Results& results, const RegionTarget& target,
-                                        Monitor& monitor) {
+// What becomes of a region's points.
+enum class Fate : std::uint8_t { Stays, Changed, Halo };
+
+struct Fates {
+  std::vector<Fate> of;      // by region point
+  std::vector<Index> again;  // ascending: those that do not stay
+};
+
+// Tells those that changed from those that stay.
+Fates changedPoints(const Results& results, const RegionTarget& target, Monitor& monitor) {
   std::vector<std::uint8_t> suitable(results.sources.size());
   for (std::size_t s = 0; s < suitable.size(); ++s)
     suitable[s] = suits(*results.sources[s], target) ? 1 : 0;
@@ -46,40 +55,42 @@ std::vector<std::uint8_t> changedPoints(const Results& results, const RegionTarg
     const float is = target.field.scale.empty() ? 1 : target.field.scale[r];
     return std::max(was / is, is / was) > kRescaled;
   };
-  std::vector<std::uint8_t> changed(target.part.size());
-  parallelFor(monitor, changed.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  Fates fates{.of = std::vector<Fate>(target.part.size())};
+  std::vector<std::vector<Index>> found(1 + (fates.of.size() - 1) / kGrain);
+  parallelFor(monitor, fates.of.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) {
       const Index i = target.part.idOf(static_cast<Index>(r));
       const std::uint16_t s = (*results.source)[i];
-      changed[r] = s == kNoSource || !suitable[s] ||
-                   turned((*results.frame)[i], target.field.frames[r], folds, cosine) ||
-                   rescaled(static_cast<Index>(r), i);
+      if (s != kNoSource && suitable[s] &&
+          !turned((*results.frame)[i], target.field.frames[r], folds, cosine) &&
+          !rescaled(static_cast<Index>(r), i))
+        continue;
+      fates.of[r] = Fate::Changed;
+      found[begin / kGrain].push_back(static_cast<Index>(r));
     }
   });
-  return changed;
+  for (const std::vector<Index>& some : found)
+    fates.again.insert(fates.again.end(), some.begin(), some.end());
+  return fates;
 }
 
-// The points that changed and those nearer to them than kHalo, along the surface.
-std::vector<Index> withHalo(const RegionTarget& target, std::span<const std::uint8_t> changed,
-                            Monitor& monitor) {
-  std::vector<Index> reached;
-  std::vector<std::uint8_t> inside(changed.begin(), changed.end());
-  for (Index r = 0; r < inside.size(); ++r)
-    if (inside[r]) reached.push_back(r);
+// Adds the points that are nearer than kHalo to those that changed, along the surface.
+void addHalo(const RegionTarget& target, Fates& fates, Monitor& monitor) {
+  std::vector<Index>& reached = fates.again;
   std::vector<float> distance(reached.size(), 0);
   const std::vector<vec3>& positions = target.part.points().positions;
   for (std::size_t d = 0; d < reached.size(); ++d) {
     if (d % kGrain == 0) monitor.checkpoint();
     const Index r = reached[d];
     for (const Index j : target.part.neighborhoods().of(r)) {
+      if (fates.of[j] != Fate::Stays) continue;
       const float far = distance[d] + distanceBetween(positions[r], positions[j]) / target.unit;
-      if (inside[j] || far > kHalo) continue;
-      inside[j] = 1;
+      if (far > kHalo) continue;
+      fates.of[j] = Fate::Halo;
       reached.push_back(j), distance.push_back(far);
     }
   }
   std::sort(reached.begin(), reached.end());
-  return reached;
 }
 
 // Numbers patches from 0 on, in the order of the part's points.
@@ -98,15 +109,14 @@ void renumber(RegionPart& part) {
 // wrapped.
 class Unwrapper {
  public:
-  Unwrapper(const RegionTarget& target, RegionPart& part)
-      : target_(target), part_(part), place_(target.part.size(), kNone) {
-    for (Index p = 0; p < part.points.size(); ++p) place_[part.points[p]] = p;
-  }
+  Unwrapper(const RegionTarget& target, RegionPart& part) : target_(target), part_(part) {}
 
   void run(Monitor& monitor) {
     SourceMap& map = part_.map;
     map.domain = map.texel;
     if (!target_.region.swatch->tileable) return;
+    place_.assign(target_.part.size(), kNone);
+    for (Index p = 0; p < part_.points.size(); ++p) place_[part_.points[p]] = p;
     std::vector<std::uint8_t> done(part_.points.size(), 0);
     std::vector<Index> open;
     for (Index start = 0; start < done.size(); ++start) {
@@ -150,14 +160,14 @@ class Unwrapper {
   std::vector<Index> place_;  // by region point: in the part, or kNone
 };
 
-void gatherMap(const Results& results, const RegionTarget& target,
-               std::span<const std::uint8_t> changed, RegionPart& part) {
+void gatherMap(const Results& results, const RegionTarget& target, std::span<const Fate> fates,
+               RegionPart& part) {
   part.map = emptySourceMap(part.points.size(), target.unit);
   SourceMap& map = part.map;
   for (std::size_t p = 0; p < part.points.size(); ++p) {
     const Index r = part.points[p], i = target.part.idOf(static_cast<Index>(r));
     if (!target.field.scale.empty()) map.scale.push_back(target.field.scale[r]);
-    if (changed[r]) {
+    if (fates[r] == Fate::Changed) {
       map.frame[p] = target.field.frames[r];
       continue;
     }
@@ -171,89 +181,184 @@ void gatherMap(const Results& results, const RegionTarget& target,
   }
 }
 
-// The result that there is, without those of the points that changed.
-SourceMap presentMap(const Document& document, const RegionTarget& target) {
-  const Results& results = document.results;
-  const std::size_t m = target.part.size();
-  SourceMap map = emptySourceMap(m, target.unit);
-  map.scale = target.field.scale;
-  for (std::size_t r = 0; r < m; ++r) {
-    const Index i = target.part.idOf(static_cast<Index>(r));
-    map.texel[r] = (*results.texel)[i];
-    map.frame[r] = (*results.frame)[i];
-    map.colour[r] = (*results.colour)[i];
-    map.state[r] = (*results.state)[i];
-    map.patch[r] = (*results.patch)[i];
-    map.error[r] = (*results.error)[i];
-    map.order[r] = (*results.order)[i];
+// Different numbers, of which a few are told many times.
+class NumberSet {
+ public:
+  NumberSet() { recent_.fill(kNone); }
+
+  void add(Index number) {
+    Index& recent = recent_[number % recent_.size()];
+    if (number == recent) return;
+    recent = number;
+    all_.push_back(number);
   }
-  // Near a border the colour is a mix, which is made anew.
-  if (results.border)
-    for (std::size_t r = 0; r < m; ++r)
-      if (const auto b = results.border->find(target.part.idOf(static_cast<Index>(r))))
-        map.colour[r] = results.border->own[*b];
-  return map;
-}
-
-SynthesisStatistics statisticsOf(const SourceMap& map) {
-  SynthesisStatistics statistics;
-  std::vector<Index> patches;
-  double sum = 0;
-  std::size_t laid = 0, gaps = 0, matched = 0;
-  for (std::size_t i = 0; i < map.state.size(); ++i) {
-    if (map.patch[i] != kNone) patches.push_back(map.patch[i]);
-    gaps += map.state[i] == PointState::Gap ? 1 : 0;
-    matched += map.state[i] == PointState::Matched ? 1 : 0;
-    if (map.state[i] != PointState::Patch) continue;
-    ++laid;
-    sum += double{map.error[i]};
-    statistics.maxDistortion = std::max(statistics.maxDistortion, double{map.error[i]});
+  void add(const NumberSet& other) {
+    for (const Index number : other.all_) add(number);
   }
-  std::sort(patches.begin(), patches.end());
-  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
-  const auto n = static_cast<double>(map.state.size());
-  statistics.patches = patches.size();
-  statistics.gapShare = static_cast<double>(gaps) / n;
-  statistics.matchedShare = static_cast<double>(matched) / n;
-  if (laid > 0) statistics.meanDistortion = sum / static_cast<double>(laid);
-  return statistics;
-}
+  std::size_t count() {
+    std::sort(all_.begin(), all_.end());
+    all_.erase(std::unique(all_.begin(), all_.end()), all_.end());
+    return all_.size();
+  }
 
-struct MadePart {
-  const RegionPart& part;
-  const SourceMap& map;         // of the part's points
-  std::vector<Index> numberOf;  // by its patches: in the result
-
-  bool isFresh(std::size_t p) const { return part.map.state[p] == PointState::Free; }
+ private:
+  std::array<Index, 256> recent_;
+  std::vector<Index> all_;  // some more than once
 };
 
-// A point's blend terms, from the part or from the result that there is.
-void addBlends(const Results& results, const RegionTarget& target, const MadePart& from,
-               SourceMap& map) {
-  const RegionPart& part = from.part;
-  const SourceMap& made = from.map;
-  map.blendOffset.assign(1, 0);
-  std::size_t p = 0;
-  for (std::size_t r = 0; r < target.part.size(); ++r) {
-    const bool inPart = p < part.points.size() && part.points[p] == r;
-    const bool fresh = inPart && from.isFresh(p);
-    if (fresh && !made.blendOffset.empty()) {
-      for (Index b = made.blendOffset[p]; b < made.blendOffset[p + 1]; ++b) {
-        map.blend.push_back(made.blend[b]);
-        map.blend.back().patch = from.numberOf[made.blend[b].patch];
-      }
-    } else if (!fresh && (!inPart || made.texel[p] == part.map.texel[p])) {
-      const std::uint16_t s = (*results.source)[target.part.idOf(static_cast<Index>(r))];
-      if (s != kNoSource)
-        for (const BlendTerm& term :
-             results.sources[s]->termsAt(target.part.idOf(static_cast<Index>(r))))
-          map.blend.push_back(term);
-    }
-    p += inPart ? 1 : 0;
-    map.blendOffset.push_back(static_cast<Index>(map.blend.size()));
+// What of some points statistics are made of.
+struct Tally {
+  std::size_t laid = 0, gaps = 0, matched = 0;
+  double distortion = 0, most = 0;
+  NumberSet patches;
+
+  void add(PointState state, Index patch, float error) {
+    if (patch != kNone) patches.add(patch);
+    gaps += state == PointState::Gap ? 1 : 0;
+    matched += state == PointState::Matched ? 1 : 0;
+    if (state != PointState::Patch) return;
+    ++laid;
+    distortion += double{error};
+    most = std::max(most, double{error});
   }
-  if (map.blend.empty()) map.blendOffset.clear();
-}
+  void add(const Tally& other) {
+    laid += other.laid, gaps += other.gaps, matched += other.matched;
+    distortion += other.distortion;
+    most = std::max(most, other.most);
+    patches.add(other.patches);
+  }
+};
+
+// A region's result while some of its points get what was made of them.
+class Renewal {
+ public:
+  Renewal(const Document& document, const RegionTarget& target, const RegionPart& part,
+          const SourceMap& made)
+      : results_(document.results), target_(target), part_(part), made_(made) {}
+
+  PartResult run(Monitor& monitor) {
+    numberPatches();
+    takeValues();
+    if (blendsAnything()) takeBlends();
+    out_.statistics = statistics(monitor);
+    return std::move(out_);
+  }
+
+ private:
+  static constexpr std::size_t kTallied = std::size_t{1} << 17;  // points at once
+
+  Index idOf(std::size_t r) const { return target_.part.idOf(static_cast<Index>(r)); }
+  bool isFresh(std::size_t p) const { return part_.map.state[p] == PointState::Free; }
+  bool isNew(std::size_t p) const { return isFresh(p) || made_.texel[p] != part_.map.texel[p]; }
+
+  // Patches of the part by their numbers in the result.
+  void numberPatches() {
+    numberOf_ = part_.patchOf;
+    if (numberOf_.size() >= made_.placement.size()) return;
+    const std::vector<Index>& patch = *results_.patch;
+    Index next = 0;
+    for (std::size_t r = 0; r < target_.part.size(); ++r)
+      next = std::max(next, patch[idOf(r)] + 1);  // 0 of kNone
+    while (numberOf_.size() < made_.placement.size()) numberOf_.push_back(next++);
+  }
+
+  void takeValues() {
+    SourceMap& map = out_.map;
+    map.unit = target_.unit;
+    for (std::size_t p = 0; p < part_.points.size(); ++p) {
+      if (!isNew(p)) continue;
+      const Index r = part_.points[p], i = idOf(r);
+      out_.points.push_back(i);
+      if (!target_.field.scale.empty()) map.scale.push_back(target_.field.scale[r]);
+      map.texel.push_back(made_.texel[p]);
+      map.frame.push_back(made_.frame[p]);
+      map.colour.push_back(made_.colour[p]);
+      map.state.push_back(isFresh(p) ? made_.state[p] : (*results_.state)[i]);
+      map.patch.push_back(made_.patch[p] == kNone ? kNone : numberOf_[made_.patch[p]]);
+      map.error.push_back(made_.error[p]);
+      map.order.push_back(made_.order[p]);
+    }
+  }
+
+  bool blendsAnything() const {
+    return !made_.blendOffset.empty() ||
+           std::any_of(results_.sources.begin(), results_.sources.end(),
+                       [](const auto& source) { return !source->blended.empty(); });
+  }
+
+  // From the part or from the result that there is.
+  void takeBlends() {
+    std::size_t p = 0;
+    for (std::size_t r = 0; r < target_.part.size(); ++r) {
+      const Index i = idOf(r);
+      const bool inPart = p < part_.points.size() && part_.points[p] == r;
+      const std::size_t before = out_.blend.size();
+      if (!inPart || !isNew(p))
+        addTerms(i);
+      else if (isFresh(p))
+        addMadeTerms(p);
+      p += inPart ? 1 : 0;
+      if (out_.blend.size() == before) continue;
+      out_.blended.push_back(i);
+      out_.blendEnd.push_back(out_.blend.size());
+    }
+  }
+
+  void addTerms(Index i) {
+    const std::uint16_t s = (*results_.source)[i];
+    if (s == kNoSource) return;
+    const auto terms = results_.sources[s]->termsAt(i);
+    out_.blend.insert(out_.blend.end(), terms.begin(), terms.end());
+  }
+
+  void addMadeTerms(std::size_t p) {
+    if (made_.blendOffset.empty()) return;
+    for (Index b = made_.blendOffset[p]; b < made_.blendOffset[p + 1]; ++b) {
+      out_.blend.push_back(made_.blend[b]);
+      out_.blend.back().patch = numberOf_[made_.blend[b].patch];
+    }
+  }
+
+  Tally tallied(std::size_t begin, std::size_t end) const {
+    Tally tally;
+    const std::vector<Index>& points = out_.points;
+    auto c = static_cast<std::size_t>(std::lower_bound(points.begin(), points.end(), idOf(begin)) -
+                                      points.begin());
+    for (std::size_t r = begin; r < end; ++r) {
+      const Index i = idOf(r);
+      if (c < points.size() && points[c] == i) {
+        tally.add(out_.map.state[c], out_.map.patch[c], out_.map.error[c]);
+        ++c;
+      } else {
+        tally.add((*results_.state)[i], (*results_.patch)[i], (*results_.error)[i]);
+      }
+    }
+    return tally;
+  }
+
+  SynthesisStatistics statistics(Monitor& monitor) const {
+    const std::size_t n = target_.part.size();
+    std::vector<Tally> tallies(1 + (n - 1) / kTallied);
+    parallelFor(monitor, n, kTallied, [&](std::size_t begin, std::size_t end) {
+      tallies[begin / kTallied] = tallied(begin, end);
+    });
+    Tally& all = tallies.front();
+    for (std::size_t t = 1; t < tallies.size(); ++t) all.add(tallies[t]);
+    SynthesisStatistics statistics{.maxDistortion = all.most};
+    statistics.patches = all.patches.count();
+    statistics.gapShare = static_cast<double>(all.gaps) / static_cast<double>(n);
+    statistics.matchedShare = static_cast<double>(all.matched) / static_cast<double>(n);
+    if (all.laid > 0) statistics.meanDistortion = all.distortion / static_cast<double>(all.laid);
+    return statistics;
+  }
+
+  const Results& results_;
+  const RegionTarget& target_;
+  const RegionPart& part_;
+  const SourceMap& made_;        // of the part's points
+  std::vector<Index> numberOf_;  // by the part's patches: in the result
+  PartResult out_;
+};
 
 }  // namespace
 
@@ -261,44 +366,24 @@ std::optional<RegionPart> changedPart(const Document& document, const RegionTarg
                                       Monitor& monitor) {
   const Results& results = document.results;
   if (!results.source || !keepsPoints(target.region.options)) return std::nullopt;
-  const std::vector<std::uint8_t> changed = changedPoints(results, target, monitor);
+  Fates fates = changedPoints(results, target, monitor);
   RegionPart part;
-  if (std::find(changed.begin(), changed.end(), 1) == changed.end()) return part;
-  part.points = withHalo(target, changed, monitor);
+  if (fates.again.empty()) return part;
+  addHalo(target, fates, monitor);
+  part.points = std::move(fates.again);
   const double share =
       static_cast<double>(part.points.size()) / static_cast<double>(target.part.size());
   if (share > kMostShare || part.points.size() <= 4 * target.part.neighborhoods().k)
     return std::nullopt;
-  gatherMap(results, target, changed, part);
+  gatherMap(results, target, fates.of, part);
   renumber(part);
   Unwrapper(target, part).run(monitor);
   return part;
 }
 
-SynthesisResult withPart(const Document& document, const RegionTarget& target,
-                         const RegionPart& part, const SourceMap& made) {
-  SynthesisResult out{.map = presentMap(document, target)};
-  SourceMap& map = out.map;
-  Index next = 0;
-  for (const Index patch : map.patch)
-    if (patch != kNone) next = std::max(next, patch + 1);
-  MadePart from{part, made, part.patchOf};
-  while (from.numberOf.size() < made.placement.size()) from.numberOf.push_back(next++);
-  addBlends(document.results, target, from, map);
-  for (std::size_t p = 0; p < part.points.size(); ++p) {
-    const bool fresh = from.isFresh(p);
-    if (!fresh && made.texel[p] == part.map.texel[p]) continue;
-    const Index r = part.points[p];
-    map.texel[r] = made.texel[p];
-    map.frame[r] = made.frame[p];
-    map.colour[r] = made.colour[p];
-    if (fresh) map.state[r] = made.state[p];
-    map.patch[r] = made.patch[p] == kNone ? kNone : from.numberOf[made.patch[p]];
-    map.error[r] = made.error[p];
-    map.order[r] = made.order[p];
-  }
-  out.statistics = statisticsOf(map);
-  return out;
+PartResult withPart(const Document& document, const RegionTarget& target, const RegionPart& part,
+                    const SourceMap& made, Monitor& monitor) {
+  return Renewal(document, target, part, made).run(monitor);
 }
 
 }  // namespace dapple

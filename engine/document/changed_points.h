@@ -28,8 +28,20 @@ struct RegionPart {
 std::optional<RegionPart> changedPart(const Document& document, const RegionTarget& target,
                                       Monitor& monitor);
 
-// The region's result with the part's in its place: what synthesize() made of part.map.
-SynthesisResult withPart(const Document& document, const RegionTarget& target,
-                         const RegionPart& part, const SourceMap& made);
+// A region's result of which some points have new values.
+struct PartResult {
+  std::vector<Index> points;       // of the scan, ascending: these; all others keep what they have
+  SourceMap map;                   // of `points`, patches by their numbers in the result; no blends
+  SynthesisStatistics statistics;  // of the whole region
+  // Of the whole region, as ResultSource has them.
+  std::vector<Index> blended;
+  std::vector<std::size_t> blendEnd;
+  std::vector<BlendTerm> blend;
+};
+
+// The region's result with the part's in its place: what synthesize() made of part.map. Throws
+// Cancelled.
+PartResult withPart(const Document& document, const RegionTarget& target, const RegionPart& part,
+                    const SourceMap& made, Monitor& monitor);
 
 }  // namespace dapple

@@ -36,7 +36,7 @@ std::size_t bytesOf(const PreparedScan& prepared) {
 }
 
 std::size_t bytesOf(const Swatch& swatch) {
-  std::size_t sum = bytesOf(swatch.opaque);
+  std::size_t sum = bytesOf(swatch.opaque) + swatch.tables.bytes();
   for (const auto& level : swatch.stack) sum += bytesOf(level);
   for (const auto& level : swatch.relief) sum += bytesOf(level);
   return sum;
@@ -165,9 +165,12 @@ const Region* findRegion(const Document& document, RegionId id) {
 }
 
 std::vector<Index> pointsOf(const Document& document, RegionId id) {
+  if (!document.labels) return {};
+  const std::vector<RegionId>& labels = *document.labels;
   std::vector<Index> out;
+  out.reserve(static_cast<std::size_t>(std::count(labels.begin(), labels.end(), id)));
   for (std::size_t i = 0; i < document.size(); ++i)
-    if ((*document.labels)[i] == id) out.push_back(static_cast<Index>(i));
+    if (labels[i] == id) out.push_back(static_cast<Index>(i));
   return out;
 }
 

@@ -1,6 +1,8 @@
 #include "document/region_synthesis.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 
 #include "base/errors.h"
 #include "document/automatic_options.h"
@@ -72,18 +74,24 @@ RegionResult partialResult(const Document& document, const Region& region,
 
 // Copies of the result columns, for n points, that take new values.
 struct OpenColumns {
-  explicit OpenColumns(const Document& document) {
+  OpenColumns(const Document& document, Workers& workers) {
     const std::size_t n = document.size();
     const Results& old = document.results;
-    open(old.source, source, n, kNoSource);
-    open(old.texel, texel, n, vec2(0));
-    open(old.frame, frame, n, TangentFrame{});
-    if (old.scale) scale = *old.scale;
-    open(old.state, state, n, PointState::Free);
-    open(old.patch, patch, n, kNone);
-    open(old.error, error, n, 0.f);
-    open(old.order, order, n, kNone);
-    colour = shownColours(document);
+    // The largest first: they are copied side by side.
+    const std::function<void()> copies[] = {
+        [&] { open(old.frame, frame, n, TangentFrame{}); },
+        [&] { colour = shownColours(document); },
+        [&] { open(old.texel, texel, n, vec2(0)); },
+        [&] { open(old.patch, patch, n, kNone); },
+        [&] { open(old.order, order, n, kNone); },
+        [&] { open(old.error, error, n, 0.f); },
+        [&] {
+          if (old.scale) scale = *old.scale;
+        },
+        [&] { open(old.source, source, n, kNoSource); },
+        [&] { open(old.state, state, n, PointState::Free); },
+    };
+    workers.run(std::size(copies), [&](std::size_t c) { copies[c](); });
     border = old.border;
     sources = old.sources;
     touched.assign(n, false);
@@ -104,14 +112,17 @@ struct OpenColumns {
 
   void scatter(const RegionResult& result) {
     const SourceMap& map = result.map;
-    const std::size_t count = result.points.empty() ? map.colour.size() : result.points.size();
     const auto id = static_cast<std::uint16_t>(sources.size());
     sources.push_back(result.source);
+    if (result.points.empty())
+      std::fill(source.begin(), source.end(), id);
+    else
+      for (const Index i : result.points) source[i] = id;
     if (!map.scale.empty() && scale.empty()) scale.assign(source.size(), 1);
-    for (std::size_t r = 0; r < count; ++r) {
-      const std::size_t i = result.points.empty() ? r : result.points[r];
+    const std::vector<Index>& points = result.changed ? *result.changed : result.points;
+    for (std::size_t r = 0; r < map.colour.size(); ++r) {
+      const std::size_t i = points.empty() ? r : points[r];
       touched[i] = true;
-      source[i] = id;
       texel[i] = map.texel[r];
       frame[i] = map.frame[r];
       if (!scale.empty()) scale[i] = map.scale.empty() ? 1 : map.scale[r];
@@ -210,14 +221,21 @@ class RegionSynthesis {
         sourceOf(region_, document_.scan->prepared.spacing * static_cast<float>(options().scale));
     source->analysis = analysis_;
     enter();
-    std::optional<SynthesisResult> some;
-    if (turn_.onlyChanged && part().size() >= kFewestPoints) some = changed(source->unit);
-    SynthesisResult result = some ? std::move(*some) : all(source->unit);
-    RegionResult out{.points = part().ids()};
+    RegionResult out{.points = part().ids(), .source = source};
+    if (turn_.onlyChanged && part().size() >= kFewestPoints)
+      if (std::optional<PartResult> some = changed(source->unit)) {
+        source->statistics = some->statistics;
+        source->blended = std::move(some->blended);
+        source->blendEnd = std::move(some->blendEnd);
+        source->blend = std::move(some->blend);
+        out.map = std::move(some->map);
+        out.changed = std::move(some->points);
+        return out;
+      }
+    SynthesisResult result = all(source->unit);
     source->statistics = result.statistics;
     noteBlends(result.map, out.points, *source);
     out.map = std::move(result.map);
-    out.source = source;
     return out;
   }
 
@@ -247,13 +265,13 @@ class RegionSynthesis {
   }
 
   // What has changed, as points of their own beside those that are kept. Nothing: it is too much.
-  std::optional<SynthesisResult> changed(float unit) {
+  std::optional<PartResult> changed(float unit) {
     const OrientationField& field = field_->field(region_, RegionField::Bytes::Near, monitor_);
     const RegionTarget target{region_, part(), field, unit};
     const std::optional<RegionPart> found = changedPart(document_, target, monitor_);
     if (!found) return std::nullopt;
     const RegionPart& changes = *found;
-    if (changes.points.empty()) return withPart(document_, target, changes, {});
+    if (changes.points.empty()) return withPart(document_, target, changes, {}, monitor_);
     if (watch_.begins) {
       std::vector<Index> ids;
       for (const Index r : changes.points) ids.push_back(part().idOf(r));
@@ -272,7 +290,7 @@ class RegionSynthesis {
                                              .kept = &changes.map},
                                             options(), monitor_);
     if (watch_.ends) watch_.ends(made.map);
-    return withPart(document_, target, changes, made.map);
+    return withPart(document_, target, changes, made.map, monitor_);
   }
 
   const Document& document_;
@@ -317,21 +335,23 @@ std::vector<RegionResult> synthesizeRegions(const Document& document, const Regi
   return results;
 }
 
-Document withResults(const Document& document, const std::vector<RegionResult>& results) {
-  OpenColumns columns(document);
+Document withResults(const Document& document, const std::vector<RegionResult>& results,
+                     Workers& workers) {
+  OpenColumns columns(document, workers);
   for (const RegionResult& result : results) columns.scatter(result);
   Document out = document;
   out.results = columns.close();
   return out;
 }
 
-Document withoutResults(const Document& document, std::optional<RegionId> region) {
+Document withoutResults(const Document& document, std::optional<RegionId> region,
+                        Workers& workers) {
   Document out = document;
   if (!region || !document.results.source) {
     out.results = {};
     return out;
   }
-  OpenColumns columns(document);
+  OpenColumns columns(document, workers);
   const std::vector<Index> points = pointsOf(document, *region);
   const std::vector<vec3>& own = document.points().colours;
   for (const Index i : points) columns.clear(i, own.empty() ? kBare : own[i]);

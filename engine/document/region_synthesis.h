@@ -8,8 +8,10 @@ namespace dapple {
 
 struct RegionResult {
   std::vector<Index> points;  // ascending; empty: all of the scan
-  SourceMap map;              // of these points
+  SourceMap map;              // of these points, or of `changed`
   std::shared_ptr<const ResultSource> source;
+  // Of the scan, ascending: those of the points that have new values. None: all of them.
+  std::optional<std::vector<Index>> changed = {};
 };
 
 struct RegionsAsked {
@@ -27,9 +29,10 @@ std::vector<RegionResult> synthesizeRegions(const Document& document, const Regi
                                             const SynthesisWatch& watch, Monitor& monitor);
 
 // The document with these results in place of what their points had.
-Document withResults(const Document& document, const std::vector<RegionResult>& results);
+Document withResults(const Document& document, const std::vector<RegionResult>& results,
+                     Workers& workers);
 
 // The document without the results of the region's points, or of all.
-Document withoutResults(const Document& document, std::optional<RegionId> region);
+Document withoutResults(const Document& document, std::optional<RegionId> region, Workers& workers);
 
 }  // namespace dapple

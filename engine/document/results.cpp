@@ -76,9 +76,14 @@ Results resultsOf(const SourceMap& map, const ResultSource& source) {
 
 void dropUnusedSources(Results& results) {
   std::vector<std::uint16_t> next(results.sources.size(), kNoSource);
-  if (results.source)
+  if (results.source) {
+    std::uint16_t last = kNoSource;  // neighbours mostly have the same
     for (const std::uint16_t s : *results.source)
-      if (s != kNoSource) next[s] = 0;
+      if (s != last) {
+        last = s;
+        if (s != kNoSource) next[s] = 0;
+      }
+  }
   if (results.border)
     for (const BorderTerm& term : results.border->terms) next[term.source] = 0;
   std::vector<std::shared_ptr<const ResultSource>> kept;

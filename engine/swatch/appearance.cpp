@@ -269,6 +269,8 @@ void fillSamples(const Swatch& swatch, int perStep, bool turned, AppearanceLevel
       std::move(samples),
       {tapTable(projection, 1), tapTable(projection, 2), tapTable(projection, 3)},
       out.stride});
+  out.turnedBytes =
+      sizeof(*looks) + looks->samples.colours.size() * sizeof(looks->samples.colours[0]);
   out.turned = [looks](std::int32_t index, int quarters) { return looks->at(index, quarters); };
 }
 
@@ -340,6 +342,16 @@ AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Mon
   else
     fillSamples<4>(swatch, perStep, turned, out, monitor);
   return out;
+}
+
+std::shared_ptr<const AppearanceLevel> appearanceOf(const Swatch& swatch, int level, bool turned,
+                                                    Monitor& monitor) {
+  const auto number = [&](bool also) { return 2 * static_cast<std::uint64_t>(level) + also; };
+  // One that knows turned samples has all others as well.
+  if (!turned)
+    if (auto both = swatch.tables.find<AppearanceLevel>(number(true))) return both;
+  return swatch.tables.get<AppearanceLevel>(
+      number(turned), [&] { return makeAppearance(swatch, level, turned, monitor); });
 }
 
 std::int32_t appearanceDistance(const Appearance& a, const Appearance& b) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "base/monitor.h"
@@ -92,6 +93,10 @@ struct AppearanceLevel {
   // A sample of the swatch turned by 1, 2 or 3 quarters, as the unturned one would look beside it:
   // made when asked for, as few are. Null when the level was made without.
   std::function<Appearance(std::int32_t index, int quarters)> turned;
+  std::size_t turnedBytes = 0;  // that it holds
+  KeptTables tables;            // of all the above: small ones (similar_places.h)
+
+  std::size_t bytes() const { return samples.size() * sizeof(Appearance) + turnedBytes; }
 
   std::int32_t indexOf(Place place) const {
     return ((place.y >> shift) + margin) * stride + (place.x >> shift) + margin;
@@ -106,6 +111,9 @@ std::int32_t appearanceReach(const Swatch& swatch, int level);
 
 // What of a swatch that does not tile lies beyond its border is its mirror image. Throws Cancelled.
 AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Monitor& monitor);
+// The same, kept with the swatch.
+std::shared_ptr<const AppearanceLevel> appearanceOf(const Swatch& swatch, int level, bool turned,
+                                                    Monitor& monitor);
 
 // Sum over the numbers of the squared differences.
 std::int32_t appearanceDistance(const Appearance& a, const Appearance& b);

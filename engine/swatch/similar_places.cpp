@@ -57,4 +57,10 @@ SimilarPlaces::SimilarPlaces(const AppearanceLevel& appearance, const PlaceDomai
   });
 }
 
+std::shared_ptr<const SimilarPlaces> similarPlacesOf(const AppearanceLevel& appearance,
+                                                     const PlaceDomain& domain, Monitor& monitor) {
+  return appearance.tables.get<SimilarPlaces>(
+      0, [&] { return SimilarPlaces(appearance, domain, monitor); });
+}
+
 }  // namespace dapple

@@ -14,6 +14,7 @@ class SimilarPlaces {
   // Throws Cancelled.
   SimilarPlaces(const AppearanceLevel& appearance, const PlaceDomain& domain, Monitor& monitor);
 
+  std::size_t bytes() const { return best_.size() * sizeof(Place); }
   bool empty() const { return best_.empty(); }
   // Of a contained place; may not be contained.
   Place of(Place place) const {
@@ -27,5 +28,9 @@ class SimilarPlaces {
   std::int32_t columns_ = 0, rows_ = 0;
   std::vector<Place> best_;  // by step: the corner of another one
 };
+
+// Those of a level of the domain's swatch, kept with the level. Throws Cancelled.
+std::shared_ptr<const SimilarPlaces> similarPlacesOf(const AppearanceLevel& appearance,
+                                                     const PlaceDomain& domain, Monitor& monitor);
 
 }  // namespace dapple

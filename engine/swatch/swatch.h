@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "swatch/image.h"
+#include "swatch/kept_tables.h"
 
 namespace dapple {
 
@@ -23,6 +24,8 @@ struct Swatch {
   // By level as `stack`: a fourth number of every texel that places are compared by
   // (swatch_relief.h). Nobody sees it; empty: colours are all.
   std::vector<std::vector<float>> relief;
+  // Of all the above (appearance.h, swatch_search.h), which from then on must not change.
+  KeptTables tables;
 
   const std::vector<vec3>& colours() const { return stack.front(); }
   std::size_t pixels() const { return static_cast<std::size_t>(width) * height; }

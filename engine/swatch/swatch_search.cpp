@@ -288,6 +288,12 @@ SwatchSearch::SwatchSearch(const Swatch& swatch, int level, int phases, int laye
 SwatchSearch::~SwatchSearch() = default;
 SwatchSearch::SwatchSearch(SwatchSearch&&) noexcept = default;
 
+std::size_t SwatchSearch::bytes() const {
+  std::size_t sum = planes_->pixels.size() * sizeof(std::uint32_t);
+  for (const auto& bits : planes_->transparent) sum += bits.size() * sizeof(std::uint64_t);
+  return sum;
+}
+
 SearchResult SwatchSearch::search(std::span<const SearchTerm> terms, SimdPath path) const {
   DAPPLE_CHECK(terms.size(), <=, kMaxTerms);
   std::vector<Shift> shifts(terms.size());
@@ -301,6 +307,13 @@ SearchResult SwatchSearch::search(std::span<const SearchTerm> terms, SimdPath pa
 
 SearchResult SwatchSearch::search(std::span<const SearchTerm> terms) const {
   return search(terms, bestSimdPath());
+}
+
+std::shared_ptr<const SwatchSearch> searchOf(const Swatch& swatch, int level, int phases,
+                                             int layers) {
+  const auto number = static_cast<std::uint64_t>((level * 16 + phases) * 16 + layers);
+  return swatch.tables.get<SwatchSearch>(
+      number, [&] { return SwatchSearch(swatch, level, phases, layers); });
 }
 
 }  // namespace dapple

@@ -37,6 +37,8 @@ class SwatchSearch {
   ~SwatchSearch();
   SwatchSearch(SwatchSearch&&) noexcept;
 
+  std::size_t bytes() const;
+
   // The place x over all pixels with the least sum over terms |I(x + offset) - colour|^2 (and,
   // where the swatch has a relief, of it likewise), offsets rounded to 1/P pixel (in layers from 1
   // on, to 1/2 when P > 2). Tileable: wrapped, all places; else only where every term stays inside
@@ -50,5 +52,9 @@ class SwatchSearch {
   struct Planes;
   std::unique_ptr<Planes> planes_;
 };
+
+// The search by these numbers, kept with the swatch.
+std::shared_ptr<const SwatchSearch> searchOf(const Swatch& swatch, int level, int phases,
+                                             int layers = 1);
 
 }  // namespace dapple

@@ -36,7 +36,7 @@ PlacementBox boxOf(std::span<const vec2> places, const DomainTurn& turn) {
 }
 
 ClusterMatcher::ClusterMatcher(const Swatch& swatch, int level)
-    : swatch_(swatch), search_(swatch, level, kPhases), reader_(swatch, level) {}
+    : swatch_(swatch), search_(searchOf(swatch, level, kPhases)), reader_(swatch, level) {}
 
 bool ClusterMatcher::matchTurned(const ClusterBorder& border, float angle,
                                  ClusterMatch& out) const {
@@ -52,7 +52,7 @@ bool ClusterMatcher::matchTurned(const ClusterBorder& border, float angle,
   }
   if (!swatch_.tileable) keepInside(swatch_, box, count, terms);
   if (terms.empty()) return false;
-  const SearchResult found = search_.search(terms);
+  const SearchResult found = search_->search(terms);
   if (!found.found) return false;
   WantedTexels wanted;
   for (std::size_t t = 0; t < std::min(count, terms.size()); ++t)

@@ -59,7 +59,7 @@ class ClusterMatcher {
   bool matchTurned(const ClusterBorder& border, float angle, ClusterMatch& out) const;
 
   const Swatch& swatch_;
-  const SwatchSearch search_;
+  const std::shared_ptr<const SwatchSearch> search_;
   const TexelReader reader_;
 };
 

@@ -113,8 +113,8 @@ std::vector<Place> synthesizeGrid(const Swatch& swatch, const CoordinateGrid& gr
       places = extended(fine, coarse, domain, places, monitor);
     }
     if (level == 0) snapToTexels(domain, places);
-    const AppearanceLevel appearance = makeAppearance(swatch, level, false, monitor);
-    PlaceRelaxation relaxation(fine.sites, appearance, domain, places, monitor);
+    const auto appearance = appearanceOf(swatch, level, false, monitor);
+    PlaceRelaxation relaxation(fine.sites, *appearance, domain, places, monitor);
     const int passes = passesOver(level, first, options.quality);
     for (int pass = 0; pass < passes; ++pass)
       for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) {

@@ -202,13 +202,17 @@ void choosePlaces(const PlaceUpdate& update, std::span<const Index> members, Pla
     chosen[m] = choose<true>(update, members[m], near);
 }
 
-float placeError(const PlaceUpdate& update, Index site) {
+DAPPLE_CLONES void placeErrors(const PlaceUpdate& update, Index first, std::span<float> errors) {
   NearColumns near;
-  gather(update, site, near);
-  if (near.count == 0) return 0;
-  return static_cast<float>(
-             differences<false>(update.appearance, near, update.places[site], kWorst)) /
-         static_cast<float>(near.count);
+  for (std::size_t e = 0; e < errors.size(); ++e) {
+    const Index site = first + static_cast<Index>(e);
+    prefetchRow(update.sites, first + static_cast<Index>(std::min(e + kAhead, errors.size() - 1)));
+    gather(update, site, near);
+    const std::size_t terms = std::max<std::size_t>(1, near.count);
+    errors[e] = static_cast<float>(
+                    differences<false>(update.appearance, near, update.places[site], kWorst)) /
+                static_cast<float>(terms);
+  }
 }
 
 }  // namespace dapple

@@ -26,7 +26,8 @@ struct PlaceUpdate {
 void choosePlaces(const PlaceUpdate& update, std::span<const Index> members, Place* chosen,
                   bool portable = false);
 
-// Mean squared difference per term of the place that a site has, appearance units.
-float placeError(const PlaceUpdate& update, Index site);
+// Mean squared difference per term of the places that the sites from `first` on have, appearance
+// units; 0 where there are none.
+void placeErrors(const PlaceUpdate& update, Index first, std::span<float> errors);
 
 }  // namespace dapple

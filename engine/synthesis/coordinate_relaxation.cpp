@@ -44,7 +44,7 @@ PlaceRelaxation::PlaceRelaxation(const SiteLevel& sites, const AppearanceLevel& 
       usage_(domain, appearance, sites.size) {
   DAPPLE_CHECK(sites.k, <=, kMostNear);
   DAPPLE_CHECK(places.size(), ==, sites.size);
-  if (!domain.tileable()) similar_ = SimilarPlaces(appearance, domain, monitor);
+  if (!domain.tileable()) similar_ = similarPlacesOf(appearance, domain, monitor);
   std::vector<Index> free;
   free.reserve(sites.size);
   for (std::size_t i = 0; i < sites.size; ++i)
@@ -63,7 +63,7 @@ PlaceUpdate PlaceRelaxation::update() const {
       .usage = usage_.map(),
       .places = places_.data(),
       .looks = looks_.data(),
-      .similar = similar_.empty() ? nullptr : &similar_,
+      .similar = similar_ && !similar_->empty() ? similar_.get() : nullptr,
       .merge = static_cast<std::int32_t>(
           std::ldexp(mergeSteps(sites_.level) * kPlaceScale, sites_.level)),
       .nearby = sites_.rigid ? 0 : kNearbySteps << (kPlaceBits + sites_.level),
@@ -93,8 +93,8 @@ std::vector<float> PlaceRelaxation::errors(Monitor& monitor) const {
   std::vector<float> out(sites_.size);
   const PlaceUpdate task = update();
   inChunks(monitor, sites_.size, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      out[i] = std::sqrt(placeError(task, static_cast<Index>(i))) / appearance_.unit;
+    placeErrors(task, static_cast<Index>(begin), std::span(out).subspan(begin, end - begin));
+    for (std::size_t i = begin; i < end; ++i) out[i] = std::sqrt(out[i]) / appearance_.unit;
   });
   return out;
 }

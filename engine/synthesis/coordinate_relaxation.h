@@ -39,7 +39,7 @@ class PlaceRelaxation {
   const PlaceDomain& domain_;
   std::vector<Place>& places_;
   std::vector<Appearance> looks_;
-  SimilarPlaces similar_;
+  std::shared_ptr<const SimilarPlaces> similar_;  // null: the swatch tiles
   ClassOrder order_;
   PlaceUsage usage_;
   std::vector<Place> chosen_;

@@ -70,7 +70,7 @@ class GridMatcher {
         map_(map),
         monitor_(monitor),
         level_(meanReadLevel(input)),
-        search_(input.swatch, level_, kPhases),
+        search_(searchOf(input.swatch, level_, kPhases)),
         reader_(input.swatch, level_),
         apart_(2 * GridNeighborhood::reachOf(options.size, largestUnit(input))),
         known_(input.points.size()),
@@ -109,7 +109,7 @@ class GridMatcher {
   SourceMap& map_;
   Monitor& monitor_;
   const int level_;  // of the swatch's stack: pixels as wide as points are apart
-  const SwatchSearch search_;
+  const std::shared_ptr<const SwatchSearch> search_;
   const TexelReader reader_;
   const float apart_;  // squares whose centres are further apart share nothing
   std::vector<std::uint8_t> known_;
@@ -159,7 +159,7 @@ float GridMatcher::errorAt(vec2 place, float bound, const Scratch& scratch) cons
 // The best of all places.
 GridMatcher::Place GridMatcher::searched(const Scratch& scratch) const {
   Place best;
-  const SearchResult found = search_.search(scratch.terms);
+  const SearchResult found = search_->search(scratch.terms);
   if (!found.found) return best;
   best.place = found.texel - 0.5f;
   const auto errorOf = [&](vec2 at, float bound) { return errorAt(at, bound, scratch); };

@@ -107,8 +107,7 @@ MatchingLevel::MatchingLevel(const Input& input, bool searching)
   }
   if (!searching) return;
   const bool fine = in_.stackLevel == 0 && in_.swatch.pixels() <= kLargeSwatch;
-  search_ = std::make_unique<SwatchSearch>(in_.swatch, in_.stackLevel,
-                                           fine ? kFinePhases : kCoarsePhases, layers);
+  search_ = searchOf(in_.swatch, in_.stackLevel, fine ? kFinePhases : kCoarsePhases, layers);
 }
 
 bool MatchingLevel::offsetBetween(const MatchSite& a, const MatchSite& b, vec2& offset) const {

@@ -114,7 +114,7 @@ class MatchingLevel {
   std::vector<MatchSite> sites_;
   TexelReader reader_;
   std::unique_ptr<TexelReader> coarseReader_;
-  std::unique_ptr<SwatchSearch> search_;
+  std::shared_ptr<const SwatchSearch> search_;
 };
 
 }  // namespace dapple

@@ -29,7 +29,7 @@ class Placer {
         overlap_(overlap),
         map_(map),
         monitor_(monitor),
-        search_(input.swatch, 0, kPhases),
+        search_(searchOf(input.swatch, 0, kPhases)),
         meetings_(map.placement.size()),
         boxes_(map.placement.size()),
         placed_(map.placement.size(), 0) {
@@ -107,7 +107,7 @@ class Placer {
     monitor_.checkpoint();
     const std::vector<SearchTerm> wanted = terms(patch);
     if (wanted.empty()) return;
-    const SearchResult found = search_.search(wanted);
+    const SearchResult found = search_->search(wanted);
     if (!found.found) return;
     const vec2 placement = clampedPlacement(input_.swatch, boxes_[patch], found.texel);
     if (!usable(patch, placement)) return;
@@ -157,7 +157,7 @@ class Placer {
   const PatchOverlap& overlap_;
   SourceMap& map_;
   Monitor& monitor_;
-  const SwatchSearch search_;
+  const std::shared_ptr<const SwatchSearch> search_;
   std::vector<std::vector<Meeting>> meetings_;  // by patch, points ascending
   std::vector<PlacementBox> boxes_;             // of a patch's own points, its seed at 0
   std::vector<std::vector<Index>> members_;     // by patch, kept for a swatch with holes only

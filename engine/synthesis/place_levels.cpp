@@ -53,9 +53,8 @@ void PlaceLevels::relax(int passes, const std::function<void()>& afterClass,
   const SurfaceLevel& surface = surface_[level_];
   const SiteLevel sites =
       ways_.sitesOf(surface, appearanceReach(input_.swatch, surface.level), task_.open, monitor);
-  const AppearanceLevel appearance =
-      makeAppearance(input_.swatch, surface.level, sites.turned, monitor);
-  PlaceRelaxation relaxation(sites, appearance, domain_, places_, monitor);
+  const auto appearance = appearanceOf(input_.swatch, surface.level, sites.turned, monitor);
+  PlaceRelaxation relaxation(sites, *appearance, domain_, places_, monitor);
   for (int pass = 0; pass < passes; ++pass)
     for (std::size_t c = 0; c < PlaceRelaxation::kClasses; ++c) {
       relaxation.updateClass(c, monitor);

@@ -5,8 +5,10 @@
 #include "synthesis/place_usage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <span>
 
 namespace dapple {
@@ -16,6 +18,8 @@ constexpr std::int32_t kMostColumns = 128;
 constexpr int kMostBlocks = 12;             // along each axis, that positions are counted by
 constexpr int kMostSplits = 4;              // of looks, in two
 constexpr std::size_t kSitesPerGroup = 16;  // at least; fewer groups say more
+// From so many sites on looks are in as many groups as they ever are.
+constexpr std::size_t kSitesOfAllLooks = ((1 << (kMostSplits - 1)) + 1) * 2 * kSitesPerGroup;
 // How much use beyond the fair share counts.
 constexpr float kPositionUse = 0.5f, kLookUse = 1;
 constexpr int kLookNumbers = 3;  // of an appearance, the last ones: they differ most
@@ -80,7 +84,8 @@ PlaceUsage::PlaceUsage(const PlaceDomain& domain, const AppearanceLevel& appeara
   atLeast_ =
       static_cast<float>(domain.width()) / side * (static_cast<float>(domain.height()) / side);
   positions_ = byPosition(domain, sites);
-  looks_ = byLook(appearance, sites);
+  looks_ = *appearance.tables.get<Grouping>(std::min(sites, kSitesOfAllLooks),
+                                            [&] { return byLook(appearance, sites); });
 }
 
 void PlaceUsage::setShares(Grouping& grouping, std::size_t groups) const {
@@ -147,9 +152,14 @@ void PlaceUsage::count(std::span<const Place> places, Monitor& monitor) {
     for (std::size_t cell = 0; cell < own.size(); ++cell) counts[cell] += own[cell];
   });
   const auto grouped = [&](const Grouping& grouping, float fair, float weight) {
-    std::vector<std::uint32_t> sums(grouping.share.size(), 0);
+    // Of every fourth cell each: cells in a row are mostly of one group, and would wait for each
+    // other.
+    std::vector<std::array<std::uint32_t, 4>> quarters(grouping.share.size());
     for (std::size_t cell = 0; cell < counts.size(); ++cell)
-      sums[grouping.group[cell]] += counts[cell];
+      quarters[grouping.group[cell]][cell % 4] += counts[cell];
+    std::vector<std::uint32_t> sums(grouping.share.size());
+    for (std::size_t g = 0; g < sums.size(); ++g)
+      sums[g] = std::accumulate(quarters[g].begin(), quarters[g].end(), std::uint32_t{0});
     return factorsOf(sums, grouping.share, fair, weight);
   };
   const auto all = static_cast<float>(places.size());

@@ -35,6 +35,8 @@ class PlaceUsage {
   struct Grouping {
     std::vector<std::uint8_t> group;  // by cell
     std::vector<float> share;         // by group
+
+    std::size_t bytes() const { return group.size() + share.size() * sizeof(float); }
   };
   Grouping byPosition(const PlaceDomain& domain, std::size_t sites) const;
   Grouping byLook(const AppearanceLevel& appearance, std::size_t sites) const;
