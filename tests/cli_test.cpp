@@ -583,8 +583,7 @@ Document applied(const Document& document, const Command& command) {
 // A sphere whose points with x > 0 are the region "Right", each half with a swatch of its own.
 Document halves(const TemporaryFolder& folder) {
   const std::vector<Position> points = spherePoints(kPoints, 2);
-  Document d =
-      applied(emptyDocument(), OpenScan{.path = folder.write("in.ply", plyText(points))});
+  Document d = applied(emptyDocument(), OpenScan{.path = folder.write("in.ply", plyText(points))});
   std::vector<Index> right;
   for (Index i = 0; i < d.size(); ++i)
     if (d.points().positions[i].x > 0) right.push_back(i);
@@ -615,8 +614,9 @@ TEST_CASE("bake textures a project's regions as the editor would, on any number 
   // Borders in place of the project's: only points near x = 0 differ.
   REQUIRE(dapple({"bake", project, "-o", out, "--border", "hard", "--ascii"}).code == 0);
   const std::vector<std::array<int, 3>> hard = coloursOf(out);
-  REQUIRE(dapple({"bake", project, "-o", out, "--border", "blend", "--border-width", "8", "--ascii"})
-              .code == 0);
+  REQUIRE(
+      dapple({"bake", project, "-o", out, "--border", "blend", "--border-width", "8", "--ascii"})
+          .code == 0);
   const std::vector<std::array<int, 3>> blended = coloursOf(out);
   const std::vector<Position> points = spherePoints(kPoints, 2);
   const double spacing = std::sqrt(4 * 3.14159 * 4 / kPoints);

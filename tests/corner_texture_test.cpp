@@ -227,6 +227,11 @@ TEST_CASE("an OBJ names its corners' coordinates and, beside it, the swatch of e
   CHECK(numbers == std::set<int>{0, 1});
   CHECK(std::find(ply.table.comments.begin(), ply.table.comments.end(),
                   "TextureFile a swatch/noise.png") != ply.table.comments.end());
+  applied(d, ExportScan{.path = folder / "bare.ply", .options = {.corners = false}});
+  const Scan bare = readBack(folder / "bare.ply");
+  CHECK_FALSE(bare.table.find("face")->find("texcoord"));
+  CHECK_FALSE(bare.table.find("face")->find("texnumber"));
+  CHECK(bare.mesh.triangles.size() == back.mesh.triangles.size());
 }
 
 TEST_CASE("a part of an image is written beside the mesh that shows it") {

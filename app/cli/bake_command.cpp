@@ -30,9 +30,10 @@ void checkSwatches(const Document& document, const BakeArguments& a) {
   std::size_t ready = 0;
   for (const Region& region : *document.regions) {
     if (!region.reference.path.empty() && !region.swatch)
-      throw InvalidInput(fmt::format("{}: the swatch of \"{}\" cannot be read: {}; put it back, or "
-                                     "give the region another one with dapple edit",
-                                     a.project, region.name, region.reference.path));
+      throw InvalidInput(
+          fmt::format("{}: the swatch of \"{}\" cannot be read: {}; put it back, or "
+                      "give the region another one with dapple edit",
+                      a.project, region.name, region.reference.path));
     ready += region.swatch && !region.locked;
   }
   if (ready == 0)
@@ -93,8 +94,8 @@ void runBake(const BakeArguments& a, const CommonOptions& common, Monitor& monit
   for (const std::string& path : {a.exported.path, a.save}) checkWritable(path);
   exportFormat(a.exported.path);
   if (!a.border.empty() && !borderKindNamed(a.border))
-    throw InvalidInput(fmt::format("--border: '{}' is not allowed; choose one of {}", a.border,
-                                   kKinds));
+    throw InvalidInput(
+        fmt::format("--border: '{}' is not allowed; choose one of {}", a.border, kKinds));
   Bake(a, common, monitor).run();
 }
 

@@ -209,7 +209,8 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
                      .scale = textured.map.scale},
                     monitor);
   const auto saving = std::chrono::steady_clock::now();
-  exportTable(a.exported.path, tableOf(a, prepared, textured.map, source, monitor), a.exported.ascii, monitor);
+  exportTable(a.exported.path, tableOf(a, prepared, textured.map, source, monitor),
+              a.exported.ascii, monitor);
   const std::chrono::duration<double> saved = std::chrono::steady_clock::now() - saving;
   if (!a.picture.empty()) {
     monitor.begin(Stage::Render, 0);
