@@ -73,8 +73,7 @@ GridSites gridSites(const CoordinateGrid& grid, int level, std::int32_t reach) {
   const WayScale toWay(level, reach);
   for (std::size_t a = 0; a < kMostNear; ++a) ways[a] = toWay(vec2(kStencil[a]) * out.spacing, 0);
   out.ids.resize(out.size() * kMostNear);
-  out.sites = {
-      .level = level, .size = out.size(), .k = kMostNear, .stride = kMostNear, .rigid = true};
+  out.sites = {.level = level, .size = out.size(), .k = kMostNear, .stride = kMostNear};
   out.sites.ways.resize(out.ids.size());
   const auto folded = [](int i, int size) { return (i % size + size) % size; };
   for (int y = 0; y < out.rows; ++y)
@@ -88,6 +87,8 @@ GridSites gridSites(const CoordinateGrid& grid, int level, std::int32_t reach) {
         out.sites.ways[at] = inside || grid.torus ? ways[a] : Way{kNoWay, 0};
       }
   out.sites.ids = out.ids;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out.sites.positions.push_back(placeOf(out.position(i)));
   return out;
 }
 

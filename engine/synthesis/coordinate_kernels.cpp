@@ -23,6 +23,7 @@ namespace {
 constexpr std::int32_t kWorst = std::numeric_limits<std::int32_t>::max();
 constexpr int kMostOthers = 4;     // similar places that are tried in place of those that lead out
 constexpr std::size_t kAhead = 8;  // members between a row's prefetch and its use
+constexpr float kProbeFactor = 2;  // of their errors: a piece that goes on is better than its fit
 constexpr std::size_t kBoundAt = 8;  // terms after which a sum is compared with the best
 
 // Neighbours of a site in columns; what follows the last one repeats the site itself.
@@ -141,6 +142,12 @@ template <bool kPortable>
   return sum;
 }
 
+// A factor of the error that a site has at a place.
+[[gnu::always_inline]] inline float useOf(const PlaceUpdate& u, Index site, Place place) {
+  const float use = u.usage.at(place);
+  return u.displacements == nullptr ? use : use * u.displacements->at(site, place);
+}
+
 template <bool kPortable>
 [[gnu::always_inline]] inline Place choose(const PlaceUpdate& u, Index site, NearColumns& near) {
   const Place own = u.places[site];
@@ -148,11 +155,11 @@ template <bool kPortable>
   if (u.domain.tileable()) wrapAll(u.domain, near);
   if (!absorb(near, own, u.merge)) return own;
   Place best = own;
-  const float ownUse = u.usage.at(own);
+  const float ownUse = useOf(u, site, own);
   float least =
       ownUse * static_cast<float>(differences<kPortable>(u.appearance, near, own, kWorst));
-  const auto attempt = [&](Place place) __attribute__((always_inline)) {
-    const float use = u.usage.at(place), most = least / use;
+  const auto attempt = [&](Place place, float factor = 1) __attribute__((always_inline)) {
+    const float use = factor * useOf(u, site, place), most = least / use;
     const std::int32_t bound = most < 2e9f ? static_cast<std::int32_t>(most) : kWorst;
     const float error =
         use * static_cast<float>(differences<kPortable>(u.appearance, near, place, bound));
@@ -172,6 +179,8 @@ template <bool kPortable>
     attempt(place);
     if (!absorb(near, place, u.merge)) break;
   }
+  for (int probe = 0; probe < u.probes; ++probe)
+    attempt(u.domain.random(u.round, site, static_cast<std::uint64_t>(probe)), kProbeFactor);
   if (u.nearby == 0) return best;
   const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
   if (u.domain.contains(mean)) attempt(mean);

@@ -42,6 +42,8 @@ class PlaceRelaxation {
   SimilarPlaces similar_;
   ClassOrder order_;
   PlaceUsage usage_;
+  DisplacementUsage displacements_;
+  std::uint64_t round_ = 0;  // classes that were updated
   std::vector<Place> chosen_;
 };
 
