@@ -129,7 +129,7 @@ TEST_CASE("displacements are counted, and whole tiles of a swatch are none") {
     usage.count(places, monitor);
     const float all = tileable == Tileable::Yes ? 9 : 1;  // times the swatch's area
     for (const std::size_t site : {0, 41, 4242})
-      CHECK(usage.at(site, places[site]) == doctest::Approx(all / 0.35f));
+      CHECK(usage.at(site, places[site]) == doctest::Approx(all / 0.45f));
     // Elsewhere nothing is moved by so much.
     CHECK(usage.at(0, {20 * kPixel, 11 * kPixel}) == 1);
   }

@@ -259,6 +259,8 @@ TEST_CASE("kernels choose what plain code chooses") {
                                .merge = 50,
                                .nearby = 2 << (kPlaceBits + level),
                                .probes = 2,
+                               .probesAround = 3,
+                               .around = 5,
                                .round = 3};
       std::vector<Index> members(torus.grid.size());
       for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);

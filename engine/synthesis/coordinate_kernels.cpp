@@ -4,7 +4,9 @@
 // - where predictions lead out of a swatch that does not tile, places that look like those of the
 //   neighbours are continued instead; random ones gain nothing;
 // - the mean of predictions that nearly agree is tried as well: what the directions stretch or turn
-//   is spread over many sites in place of breaks.
+//   is spread over many sites in place of breaks;
+// - on a plane, where pieces meet, random places are tried, too, most of them around the best
+//   (Barnes et al., "PatchMatch", 2009): regular patterns go on in step.
 #include "synthesis/coordinate_kernels.h"
 
 #if defined(__x86_64__)
@@ -23,7 +25,8 @@ namespace {
 constexpr std::int32_t kWorst = std::numeric_limits<std::int32_t>::max();
 constexpr int kMostOthers = 4;     // similar places that are tried in place of those that lead out
 constexpr std::size_t kAhead = 8;  // members between a row's prefetch and its use
-constexpr float kProbeFactor = 2;  // of their errors: a piece that goes on is better than its fit
+// Of the errors of random places: a piece that goes on is better than a slightly better fit.
+constexpr float kProbeFactor = 2, kAroundFactor = 1.5f;
 constexpr std::size_t kBoundAt = 8;  // terms after which a sum is compared with the best
 
 // Neighbours of a site in columns; what follows the last one repeats the site itself.
@@ -148,6 +151,16 @@ template <bool kPortable>
   return u.displacements == nullptr ? use : use * u.displacements->at(site, place);
 }
 
+Place randomWay(const PlaceUpdate& u, Index site, int probe) {
+  const auto along = [&](std::uint64_t axis) {
+    const auto sides = static_cast<std::uint64_t>(2 * u.around + 1);
+    const auto id = static_cast<std::uint64_t>(probe);
+    return (static_cast<std::int32_t>(hashBelow(sides, u.round, site, id, axis)) - u.around) *
+           (1 << kPlaceBits);
+  };
+  return {along(3), along(4)};
+}
+
 template <bool kPortable>
 [[gnu::always_inline]] inline Place choose(const PlaceUpdate& u, Index site, NearColumns& near) {
   const Place own = u.places[site];
@@ -181,6 +194,9 @@ template <bool kPortable>
   }
   for (int probe = 0; probe < u.probes; ++probe)
     attempt(u.domain.random(u.round, site, static_cast<std::uint64_t>(probe)), kProbeFactor);
+  const Place centre = best;
+  for (int probe = 0; probe < u.probesAround; ++probe)
+    attempt(u.domain.moved(centre, randomWay(u, site, probe)), kAroundFactor);
   if (u.nearby == 0) return best;
   const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
   if (u.domain.contains(mean)) attempt(mean);

@@ -19,9 +19,12 @@ struct PlaceUpdate {
   const Appearance* looks;                 // n: appearance.at(places)
   // Where to go on from where a prediction leads out of the swatch; null: nowhere.
   const SimilarPlaces* similar;
-  std::int32_t merge;       // predictions nearer than this are one, place units
-  std::int32_t nearby;      // the mean of those nearer than this is tried, too; 0: none is
-  int probes = 0;           // random places that are tried, too
+  std::int32_t merge;   // predictions nearer than this are one, place units
+  std::int32_t nearby;  // the mean of those nearer than this is tried, too; 0: none is
+  // Random places that are tried where neighbours do not agree: anywhere, and so many pixels at
+  // most around the best, along each axis.
+  int probes = 0, probesAround = 0;
+  std::int32_t around = 0;
   std::uint64_t round = 0;  // they are others in another one
 };
 

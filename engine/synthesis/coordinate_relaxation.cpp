@@ -16,10 +16,16 @@ constexpr float mergeSteps(int level) {
   return level == 0 ? 0.15f : level == 1 ? 0.2f : 0.05f;
 }
 // Random places that a plane's sites try where its neighbours do not agree: without, a swatch that
-// tiles keeps the few displacements that it began with.
+// tiles keeps the few displacements that it began with. More of them are tried around the best
+// place: mean 95th percentile of distances to the nearest patch of the sample, over that of the
+// worse of two other programs, four samples and four seeds without, 1.20; with eight, 1.14.
 constexpr int probesOf(int level) {
   return level == 0 ? 1 : level == 1 ? 2 : level == 2 ? 4 : 0;
 }
+constexpr int probesAroundOf(int level) {
+  return level == 1 || level == 2 ? 8 : 0;
+}
+constexpr int kAroundSteps = 8;
 constexpr int kPassesPerLevel = 3, kFirstPasses = 20;
 // Of a step: predictions whose mean is tried. Mean F of eight swatches on the bunny of 85,000
 // points without, with 0.5, 1, 2 and 3: 0.583, 0.592, 0.612, 0.615, 0.610.
@@ -75,6 +81,8 @@ PlaceUpdate PlaceRelaxation::update() const {
           std::ldexp(mergeSteps(sites_.level) * kPlaceScale, sites_.level)),
       .nearby = sites_.plane() ? 0 : kNearbySteps << (kPlaceBits + sites_.level),
       .probes = sites_.plane() ? probesOf(sites_.level) : 0,
+      .probesAround = sites_.plane() ? probesAroundOf(sites_.level) : 0,
+      .around = kAroundSteps << sites_.level,
       .round = round_,
   };
 }

@@ -14,7 +14,7 @@
 namespace dapple {
 namespace {
 
-constexpr float kMostShare = 0.35f;  // of the swatch's area, that one displacement may show
+constexpr float kMostShare = 0.45f;  // of the swatch's area, that one displacement may show
 constexpr std::size_t kFewestCells = 4096, kMostCells = 1 << 20;
 constexpr float kCellsPerPiece = 16;
 
