@@ -40,13 +40,16 @@ class Blend {
     for (int v = -kReach; v <= kReach; ++v)
       for (int u = -kReach; u <= kReach; ++u) {
         if (!inside(x + u, y + v)) continue;
+        const float weight = weights_[v + kReach][u + kReach];
         const Place there = at(x + u, y + v);
         const Place wanted =
             domain_.wrapped({there.x - u * (1 << kPlaceBits), there.y - v * (1 << kPlaceBits)});
+        if (wanted == own) {
+          total += weight;
+          continue;
+        }
         if (!domain_.contains(wanted)) continue;
-        const float weight = weights_[v + kReach][u + kReach];
         total += weight;
-        if (wanted == own) continue;
         others += weight;
         sum += weight * sampleSwatch(swatch_, texelOf(wanted));
       }
@@ -58,11 +61,9 @@ class Blend {
     return grid_.torus || (x >= 0 && x < grid_.width && y >= 0 && y < grid_.height);
   }
   Place at(int x, int y) const {
-    const auto folded = [](int i, int size) {
-      return static_cast<std::size_t>((i % size + size) % size);
-    };
-    return places_[folded(y, grid_.height) * static_cast<std::size_t>(grid_.width) +
-                   folded(x, grid_.width)];
+    return places_[static_cast<std::size_t>(foldedIndex(y, grid_.height)) *
+                       static_cast<std::size_t>(grid_.width) +
+                   static_cast<std::size_t>(foldedIndex(x, grid_.width))];
   }
 
   const Swatch& swatch_;
