@@ -20,7 +20,7 @@ constexpr float mergeSteps(int level) {
 // place: mean 95th percentile of distances to the nearest patch of the sample, over that of the
 // worse of two other programs, four samples and four seeds without, 1.20; with eight, 1.14.
 constexpr int probesOf(int level) {
-  return level == 0 ? 1 : level == 1 ? 2 : level == 2 ? 4 : 0;
+  return level == 1 ? 2 : level == 2 ? 4 : 0;
 }
 constexpr int probesAroundOf(int level) {
   return level == 1 || level == 2 ? 8 : 0;
