@@ -246,15 +246,22 @@ TEST_CASE("kernels choose what plain code chooses") {
            ++cell)
         usage.factor.push_back(1.0f + 0.3f * static_cast<float>(cell % 2));
       const SimilarPlaces similar(torus.appearance, torus.domain, monitor);
+      DisplacementUsage displacements(torus.grid.sites, torus.domain);
+      displacements.count(torus.places, monitor);
       const PlaceUpdate update{.sites = torus.grid.sites,
                                .appearance = torus.appearance,
                                .domain = torus.domain,
                                .usage = usage,
+                               .displacements = displacements.empty() ? nullptr : &displacements,
                                .places = torus.places.data(),
                                .looks = torus.looks.data(),
                                .similar = tileable == Tileable::No ? &similar : nullptr,
                                .merge = 50,
-                               .nearby = 2 << (kPlaceBits + level)};
+                               .nearby = 2 << (kPlaceBits + level),
+                               .probes = 2,
+                               .probesAround = 3,
+                               .around = 5,
+                               .round = 3};
       std::vector<Index> members(torus.grid.size());
       for (std::size_t i = 0; i < members.size(); ++i) members[i] = static_cast<Index>(i);
       std::vector<Place> fast(members.size()), plain(members.size());
@@ -313,46 +320,6 @@ TEST_CASE("the swatch keeps its scale where the density changes") {
     CAPTURE(unit);
     CHECK(copied[0] / all[0] > 0.75);
     CHECK(copied[1] / all[1] > 0.4);
-  }
-}
-
-TEST_CASE("a torus is seamless and a plane is not wrapped") {
-  Workers workers(1);
-  Monitor monitor(workers);
-  const Swatch swatch = swatchOf(noise(40), Tileable::No);
-  const PlaceDomain domain(swatch);
-  for (const bool torus : {false, true}) {
-    const auto places = synthesizeGrid(swatch, {60, 52, torus}, {}, monitor);
-    REQUIRE(places.size() == 60 * 52);
-    for (const Place& place : places) REQUIRE(domain.contains(place));
-    const auto colour = [&](int x, int y) {
-      return sampleSwatch(swatch, texelOf(places[static_cast<std::size_t>(y) * 60 + x]));
-    };
-    double across = 0, inside = 0;
-    for (int y = 0; y < 52; ++y) {
-      across += static_cast<double>(glm::distance(colour(59, y), colour(0, y)));
-      for (int x = 1; x < 60; ++x)
-        inside += static_cast<double>(glm::distance(colour(x - 1, y), colour(x, y))) / 59;
-    }
-    CHECK((across < 1.5 * inside) == torus);
-  }
-}
-
-TEST_CASE("planes show whole texels, inside the swatch") {
-  Workers workers(1);
-  Monitor monitor(workers);
-  constexpr std::int32_t kPixel = 1 << kPlaceBits;
-  for (const Tileable tileable : {Tileable::Yes, Tileable::No}) {
-    const Swatch swatch = swatchOf(noise(24), tileable);
-    const PlaceDomain domain(swatch);
-    for (const std::uint64_t seed : {1, 2, 3})
-      for (const Place& place : synthesizeGrid(swatch, {50, 40, false}, {.seed = seed}, monitor)) {
-        REQUIRE(domain.contains(place));
-        REQUIRE(std::min(place.x, place.y) >= 0);
-        REQUIRE(std::max(place.x, place.y) < 24 * kPixel);
-        REQUIRE(place.x % kPixel == kPixel / 2);
-        REQUIRE(place.y % kPixel == kPixel / 2);
-      }
   }
 }
 

@@ -9,7 +9,7 @@
 #include "app/cli/report.h"
 #include "base/errors.h"
 #include "io/image_io.h"
-#include "synthesis/coordinate_grid.h"
+#include "synthesis/grid_blend.h"
 
 namespace dapple {
 namespace {
@@ -18,16 +18,6 @@ struct ImageArguments {
   std::string swatch, output, size;
   bool torus = false;
 };
-
-Image imageOf(const Swatch& swatch, const CoordinateGrid& grid, const std::vector<Place>& places) {
-  Image out{.width = grid.width, .height = grid.height, .channels = 3};
-  out.pixels.resize(places.size() * 3);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const vec3 colour = sampleSwatch(swatch, texelOf(places[i]));
-    for (int c = 0; c < 3; ++c) out.pixels[3 * i + static_cast<std::size_t>(c)] = colour[c];
-  }
-  return out;
-}
 
 void runImage(const ImageArguments& a, const CommonOptions& common, Monitor& monitor) {
   validate(common.table);
@@ -42,8 +32,9 @@ void runImage(const ImageArguments& a, const CommonOptions& common, Monitor& mon
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<Place> places = synthesizeGrid(
       swatch, grid, {.quality = common.table.passes, .seed = common.table.seed}, monitor);
+  const Image image = blendedImage(swatch, grid, places, monitor);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-  writeImage(a.output, imageOf(swatch, grid, places));
+  writeImage(a.output, image);
   if (!common.quiet)
     fmt::print("{} x {} pixels in {:.2f} s\n{}\n", grid.width, grid.height, seconds.count(),
                a.output);

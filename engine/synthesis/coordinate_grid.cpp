@@ -73,21 +73,21 @@ GridSites gridSites(const CoordinateGrid& grid, int level, std::int32_t reach) {
   const WayScale toWay(level, reach);
   for (std::size_t a = 0; a < kMostNear; ++a) ways[a] = toWay(vec2(kStencil[a]) * out.spacing, 0);
   out.ids.resize(out.size() * kMostNear);
-  out.sites = {
-      .level = level, .size = out.size(), .k = kMostNear, .stride = kMostNear, .rigid = true};
+  out.sites = {.level = level, .size = out.size(), .k = kMostNear, .stride = kMostNear};
   out.sites.ways.resize(out.ids.size());
-  const auto folded = [](int i, int size) { return (i % size + size) % size; };
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.columns; ++x)
       for (std::size_t a = 0; a < kMostNear; ++a) {
         const int column = x + kStencil[a].x, row = y + kStencil[a].y;
         const bool inside = column >= 0 && column < out.columns && row >= 0 && row < out.rows;
         const std::size_t at = (static_cast<std::size_t>(y) * out.columns + x) * kMostNear + a;
-        out.ids[at] =
-            static_cast<Index>(folded(row, out.rows) * out.columns + folded(column, out.columns));
+        out.ids[at] = static_cast<Index>(foldedIndex(row, out.rows) * out.columns +
+                                         foldedIndex(column, out.columns));
         out.sites.ways[at] = inside || grid.torus ? ways[a] : Way{kNoWay, 0};
       }
   out.sites.ids = out.ids;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out.sites.positions.push_back(placeOf(out.position(i)));
   return out;
 }
 

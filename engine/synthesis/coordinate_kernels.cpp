@@ -4,7 +4,9 @@
 // - where predictions lead out of a swatch that does not tile, places that look like those of the
 //   neighbours are continued instead; random ones gain nothing;
 // - the mean of predictions that nearly agree is tried as well: what the directions stretch or turn
-//   is spread over many sites in place of breaks.
+//   is spread over many sites in place of breaks;
+// - on a plane, where pieces meet, random places are tried, too, most of them around the best
+//   (Barnes et al., "PatchMatch", 2009): regular patterns go on in step.
 #include "synthesis/coordinate_kernels.h"
 
 #if defined(__x86_64__)
@@ -23,6 +25,8 @@ namespace {
 constexpr std::int32_t kWorst = std::numeric_limits<std::int32_t>::max();
 constexpr int kMostOthers = 4;     // similar places that are tried in place of those that lead out
 constexpr std::size_t kAhead = 8;  // members between a row's prefetch and its use
+// Of the errors of random places: a piece that goes on is better than a slightly better fit.
+constexpr float kProbeFactor = 2, kAroundFactor = 1.5f;
 constexpr std::size_t kBoundAt = 8;  // terms after which a sum is compared with the best
 
 // Neighbours of a site in columns; what follows the last one repeats the site itself.
@@ -141,6 +145,22 @@ template <bool kPortable>
   return sum;
 }
 
+// A factor of the error that a site has at a place.
+[[gnu::always_inline]] inline float useOf(const PlaceUpdate& u, Index site, Place place) {
+  const float use = u.usage.at(place);
+  return u.displacements == nullptr ? use : use * u.displacements->at(site, place);
+}
+
+Place randomWay(const PlaceUpdate& u, Index site, int probe) {
+  const auto along = [&](std::uint64_t axis) {
+    const auto sides = static_cast<std::uint64_t>(2 * u.around + 1);
+    const auto id = static_cast<std::uint64_t>(probe);
+    return (static_cast<std::int32_t>(hashBelow(sides, u.round, site, id, axis)) - u.around) *
+           (1 << kPlaceBits);
+  };
+  return {along(3), along(4)};
+}
+
 template <bool kPortable>
 [[gnu::always_inline]] inline Place choose(const PlaceUpdate& u, Index site, NearColumns& near) {
   const Place own = u.places[site];
@@ -148,11 +168,11 @@ template <bool kPortable>
   if (u.domain.tileable()) wrapAll(u.domain, near);
   if (!absorb(near, own, u.merge)) return own;
   Place best = own;
-  const float ownUse = u.usage.at(own);
+  const float ownUse = useOf(u, site, own);
   float least =
       ownUse * static_cast<float>(differences<kPortable>(u.appearance, near, own, kWorst));
-  const auto attempt = [&](Place place) __attribute__((always_inline)) {
-    const float use = u.usage.at(place), most = least / use;
+  const auto attempt = [&](Place place, float factor = 1) __attribute__((always_inline)) {
+    const float use = factor * useOf(u, site, place), most = least / use;
     const std::int32_t bound = most < 2e9f ? static_cast<std::int32_t>(most) : kWorst;
     const float error =
         use * static_cast<float>(differences<kPortable>(u.appearance, near, place, bound));
@@ -172,6 +192,11 @@ template <bool kPortable>
     attempt(place);
     if (!absorb(near, place, u.merge)) break;
   }
+  for (int probe = 0; probe < u.probes; ++probe)
+    attempt(u.domain.random(u.round, site, static_cast<std::uint64_t>(probe)), kProbeFactor);
+  const Place centre = best;
+  for (int probe = 0; probe < u.probesAround; ++probe)
+    attempt(u.domain.moved(centre, randomWay(u, site, probe)), kAroundFactor);
   if (u.nearby == 0) return best;
   const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
   if (u.domain.contains(mean)) attempt(mean);

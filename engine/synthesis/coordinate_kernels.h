@@ -4,6 +4,7 @@
 
 #include "swatch/similar_places.h"
 #include "synthesis/coordinate_sites.h"
+#include "synthesis/displacement_usage.h"
 #include "synthesis/place_usage.h"
 
 namespace dapple {
@@ -13,12 +14,18 @@ struct PlaceUpdate {
   const AppearanceLevel& appearance;
   const PlaceDomain& domain;
   const UsageMap& usage;
-  const Place* places;      // n
-  const Appearance* looks;  // n: appearance.at(places)
+  const DisplacementUsage* displacements;  // null: they do not count
+  const Place* places;                     // n
+  const Appearance* looks;                 // n: appearance.at(places)
   // Where to go on from where a prediction leads out of the swatch; null: nowhere.
   const SimilarPlaces* similar;
   std::int32_t merge;   // predictions nearer than this are one, place units
   std::int32_t nearby;  // the mean of those nearer than this is tried, too; 0: none is
+  // Random places that are tried where neighbours do not agree: anywhere, and so many pixels at
+  // most around the best, along each axis.
+  int probes = 0, probesAround = 0;
+  std::int32_t around = 0;
+  std::uint64_t round = 0;  // they are others in another one
 };
 
 // The places that `members` take, written to `chosen`: none of them is any other's input.

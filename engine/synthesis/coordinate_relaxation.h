@@ -42,6 +42,8 @@ class PlaceRelaxation {
   std::shared_ptr<const SimilarPlaces> similar_;  // null: the swatch tiles
   ClassOrder order_;
   PlaceUsage usage_;
+  DisplacementUsage displacements_;
+  std::uint64_t round_ = 0;  // classes that were updated
   std::vector<Place> chosen_;
 };
 

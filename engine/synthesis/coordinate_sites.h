@@ -54,8 +54,11 @@ struct SiteLevel {
   std::span<const Index> ids;        // n x stride
   std::vector<Way> ways;             // n x k
   bool turned = false;               // some ways have quarters
-  bool rigid = false;                // ways around any loop add up to none
+  std::vector<Place> positions;      // n: of a plane's sites; empty: these are a surface's
   std::vector<std::uint8_t> frozen;  // n: keeps its place; empty: none does
+
+  // Ways around any loop add up to none.
+  bool plane() const { return !positions.empty(); }
 };
 
 }  // namespace dapple

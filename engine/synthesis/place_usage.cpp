@@ -7,9 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <span>
+
+#include "synthesis/place_counts.h"
 
 namespace dapple {
 namespace {
@@ -140,17 +141,10 @@ PlaceUsage::Grouping PlaceUsage::byLook(const AppearanceLevel& appearance,
   return out;
 }
 
-// Whole numbers add up to the same in any order.
 void PlaceUsage::count(std::span<const Place> places, Monitor& monitor) {
-  std::vector<std::uint32_t> counts(map_.factor.size(), 0);
-  std::mutex mutex;
-  constexpr std::size_t kGrain = 1 << 16;
-  parallelFor(monitor, places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> own(counts.size(), 0);
-    for (std::size_t i = begin; i < end; ++i) ++own[map_.cellOf(places[i])];
-    const std::lock_guard lock(mutex);
-    for (std::size_t cell = 0; cell < own.size(); ++cell) counts[cell] += own[cell];
-  });
+  const auto counts = countCells(
+      places.size(), map_.factor.size(), [&](std::size_t i) { return map_.cellOf(places[i]); },
+      monitor);
   const auto grouped = [&](const Grouping& grouping, float fair, float weight) {
     // Of every fourth cell each: cells in a row are mostly of one group, and would wait for each
     // other.
