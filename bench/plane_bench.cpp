@@ -164,7 +164,11 @@ const Program kDapple{
       return fmt::format("'{}' synth2d {} --size {}x{} -o {}", DAPPLE_PROGRAM, quoted(in), kSize,
                          kSize, quoted(out));
     },
-    [](const fs::path&, const fs::path&) { return fmt::format("'{}' --version", DAPPLE_PROGRAM); }};
+    // As G'MIC's: a picture is read, and another written.
+    [](const fs::path& in, const fs::path& out) {
+      return fmt::format("'{}' synth2d {} --size 2x2 -o {}", DAPPLE_PROGRAM, quoted(in),
+                         quoted(out));
+    }};
 
 void printRow(const std::string& name, const PlaneMeasures& m, std::optional<double> seconds = {}) {
   fmt::print("  {:<18}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:>9}\n", name,

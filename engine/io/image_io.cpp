@@ -11,7 +11,7 @@ namespace dapple {
 namespace {
 
 const ImageFormats* loadFormats() {
-  void* const module = ::dlopen(kImageModule, RTLD_NOW | RTLD_LOCAL);
+  void* const module = ::dlopen(kImageModule, RTLD_LAZY | RTLD_LOCAL);
   if (module == nullptr) return nullptr;
   const auto entry = reinterpret_cast<ImageModuleEntry*>(::dlsym(module, kImageModuleEntry));
   return entry ? entry() : nullptr;

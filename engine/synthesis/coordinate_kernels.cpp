@@ -151,14 +151,13 @@ template <bool kPortable>
   return u.displacements == nullptr ? use : use * u.displacements->at(site, place);
 }
 
-Place randomWay(const PlaceUpdate& u, Index site, int probe) {
-  const auto along = [&](std::uint64_t axis) {
-    const auto sides = static_cast<std::uint64_t>(2 * u.around + 1);
-    const auto id = static_cast<std::uint64_t>(probe);
-    return (static_cast<std::int32_t>(hashBelow(sides, u.round, site, id, axis)) - u.around) *
-           (1 << kPlaceBits);
+// Up to u.around pixels along each axis: one of 32 bits each.
+Place randomWay(const PlaceUpdate& u, std::uint64_t bits) {
+  const auto sides = static_cast<std::uint64_t>(2 * u.around + 1);
+  const auto along = [&](std::uint64_t half) {
+    return (static_cast<std::int32_t>(half * sides >> 32) - u.around) * (1 << kPlaceBits);
   };
-  return {along(3), along(4)};
+  return {along(bits >> 32), along(bits & 0xffffffffu)};
 }
 
 template <bool kPortable>
@@ -194,9 +193,14 @@ template <bool kPortable>
   }
   for (int probe = 0; probe < u.probes; ++probe)
     attempt(u.domain.random(u.round, site, static_cast<std::uint64_t>(probe)), kProbeFactor);
-  const Place centre = best;
-  for (int probe = 0; probe < u.probesAround; ++probe)
-    attempt(u.domain.moved(centre, randomWay(u, site, probe)), kAroundFactor);
+  if (u.probesAround > 0) {
+    const Place centre = best;
+    const std::uint64_t drawn = hashBits(u.round, site);  // once: it costs as much as a probe
+    for (int probe = 0; probe < u.probesAround; ++probe)
+      attempt(
+          u.domain.moved(centre, randomWay(u, mixBits(drawn + static_cast<std::uint64_t>(probe)))),
+          kAroundFactor);
+  }
   if (u.nearby == 0) return best;
   const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
   if (u.domain.contains(mean)) attempt(mean);

@@ -8,7 +8,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kGrain = 256;
 constexpr std::size_t kCountEvery = 2;  // classes between two counts of usage
 // Of a step. Mean F of 7 swatches on the bunny with 0.3, 0.1 and 0.05 on all levels: 0.49, 0.53,
 // 0.56; the finer ones need not be as fine.

@@ -1,6 +1,7 @@
 // Histograms of what sites show.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <mutex>
 #include <vector>
@@ -16,8 +17,9 @@ std::vector<std::uint32_t> countCells(std::size_t sites, std::size_t cells, cons
                                       Monitor& monitor) {
   std::vector<std::uint32_t> counts(cells, 0);
   std::mutex mutex;
-  constexpr std::size_t kGrain = 1 << 16;
-  parallelFor(monitor, sites, kGrain, [&](std::size_t begin, std::size_t end) {
+  // So that adding up costs no more than counting.
+  const std::size_t grain = std::max(std::size_t{1} << 14, cells);
+  parallelFor(monitor, sites, grain, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> own(cells, 0);
     for (std::size_t i = begin; i < end; ++i) ++own[cellOf(i)];
     const std::lock_guard lock(mutex);
