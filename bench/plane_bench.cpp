@@ -158,17 +158,16 @@ const Program kGmic{"G'MIC matchpatch",
                     [](const fs::path& in, const fs::path& out) {
                       return fmt::format("gmic {} -o {}", quoted(in), quoted(out));
                     }};
-const Program kDapple{
-    "dapple synth2d",
-    [](const fs::path& in, const fs::path& out) {
-      return fmt::format("'{}' synth2d {} --size {}x{} -o {}", DAPPLE_PROGRAM, quoted(in), kSize,
-                         kSize, quoted(out));
-    },
-    // As G'MIC's: a picture is read, and another written.
-    [](const fs::path& in, const fs::path& out) {
-      return fmt::format("'{}' synth2d {} --size 2x2 -o {}", DAPPLE_PROGRAM, quoted(in),
-                         quoted(out));
-    }};
+const Program kDapple{"dapple synth2d",
+                      [](const fs::path& in, const fs::path& out) {
+                        return fmt::format("'{}' synth2d {} --size {}x{} -o {}", DAPPLE_PROGRAM,
+                                           quoted(in), kSize, kSize, quoted(out));
+                      },
+                      // As G'MIC's: a picture is read, and another written.
+                      [](const fs::path& in, const fs::path& out) {
+                        return fmt::format("'{}' synth2d {} --size 2x2 -o {}", DAPPLE_PROGRAM,
+                                           quoted(in), quoted(out));
+                      }};
 
 void printRow(const std::string& name, const PlaneMeasures& m, std::optional<double> seconds = {}) {
   fmt::print("  {:<18}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:7.2f}{:>9}\n", name,
