@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/errors.h"
+#include "document/border_sides.h"
 #include "document/edit_history.h"
 #include "document/options_table.h"
 #include "document_fixtures.h"
@@ -483,6 +484,49 @@ TEST_CASE("a cut does not do away with a narrow region") {
   std::size_t own = 0;
   for (Index i = 0; i < d.size(); ++i) own += (*d.labels)[i] == 1 && otherWeight(d, i) == 0;
   CHECK(own > strip / 4);
+}
+
+TEST_CASE("a cut keeps the inner half of an arm of a thick region") {
+  const TestFolder folder;
+  constexpr float kHead = 0.85f, kArmEnd = 2;  // of the angle from the pole; 0.85: 18 spacings
+  std::vector<Index> region, arm;
+  Document d = sphereDocument(folder, 6000);
+  const float halfWidth = 3 * d.scan->prepared.spacing;
+  for (Index i = 0; i < d.size(); ++i) {
+    const vec3 p = d.points().positions[i];
+    const float angle = std::acos(std::clamp(p.z, -1.f, 1.f));
+    const bool onArm = angle > kHead && angle < kArmEnd && p.x > 0 && std::abs(p.y) < halfWidth;
+    if (onArm) arm.push_back(i);
+    if (onArm || angle <= kHead) region.push_back(i);
+  }
+  REQUIRE(arm.size() > 100);
+  d = applied(applied(d, Select{.points = region}), AddRegion{});
+  for (const bool swapped : {false, true}) {
+    for (const RegionId r : {0, 1}) {
+      const std::string name = (r == 0) == swapped ? "noise" : "bricks";
+      d = applied(d, SetSwatch{.region = r, .reference = {.path = "/swatches/" + name}});
+    }
+    d = applied(withBorders(d, 16, BorderKind::Cut), Synthesize{});
+    std::size_t own = 0, taken = 0;
+    for (const Index i : arm) own += otherWeight(d, i) == 0;
+    for (const Index i : region) taken += otherWeight(d, i) > 0;
+    CHECK(own >= arm.size() / 2);
+    CHECK(taken > 50);  // around the head it is cut
+    MESSAGE("of " << arm.size() << " points of the arm " << own << " stay");
+  }
+}
+
+TEST_CASE("a cut between wide regions may run anywhere in its band") {
+  const TestFolder folder;
+  const Document d = withBorders(halves(folder, 0), 24, BorderKind::Cut);
+  Workers workers;
+  Monitor monitor(workers);
+  const auto halos = BorderSides(d).halos(monitor);
+  const std::vector<float> distance = distanceToOther(d);  // from all points, so no less
+  std::size_t band = 0;
+  for (const float spacings : distance) band += spacings < 12;
+  CHECK(band > 600);
+  CHECK(halos[0].points.size() + halos[1].points.size() >= band);
 }
 
 TEST_CASE("a new region's border is cut, and a blend or a hard one of its neighbour counts first") {

@@ -47,8 +47,7 @@ class Shares {
   }
 
   // The pattern of a region over the points beyond its border.
-  void add(RegionId region, std::span<const Index> rim) {
-    const BorderSides::Halo halo = sides_.haloOf(region, rim, monitor_);
+  void add(RegionId region, const BorderSides::Halo& halo) {
     std::size_t s = out_.size(), h = 0;
     carryOn(region, halo.points);
     for (; s < out_.size(); ++s) {
@@ -107,16 +106,12 @@ class Shares {
 
 std::vector<BorderShare> borderShares(const Document& document, const BorderSides& sides,
                                       Monitor& monitor) {
-  std::vector<RegionId> reaching;
-  for (std::size_t r = 0; r < BorderSides::kRegions; ++r)
-    if (const auto id = static_cast<RegionId>(r);
-        sides.source(id) != kNoSource && sides.farthestReach(id) > 0)
-      reaching.push_back(id);
-  if (reaching.empty()) return {};
-  const auto rim = sides.rims(monitor);
+  const auto halos = sides.halos(monitor);
+  const auto reaches = [](const BorderSides::Halo& halo) { return !halo.points.empty(); };
+  if (std::none_of(halos.begin(), halos.end(), reaches)) return {};
   Shares shares(document, sides, monitor);
-  for (const RegionId region : reaching)
-    if (!rim[region].empty()) shares.add(region, rim[region]);
+  for (std::size_t r = 0; r < halos.size(); ++r)
+    if (reaches(halos[r])) shares.add(static_cast<RegionId>(r), halos[r]);
   return shares.take();
 }
 

@@ -1,7 +1,9 @@
 #include "document/border_sides.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "regions/inner_half.h"
 #include "regions/surface_distance.h"
 
 namespace dapple {
@@ -76,52 +78,70 @@ std::array<std::vector<Index>, BorderSides::kRegions> BorderSides::rims(Monitor&
   return out;
 }
 
-void BorderSides::spareNarrow(RegionId region, std::span<const float> distance, Halo& halo) const {
-  const Neighborhoods& all = document_.scan->prepared.neighborhoods;
-  const std::size_t links = linksOf(all);
-  std::vector<std::uint8_t> waits(document_.size(), 0);
-  for (const Index i : halo.points) waits[i] = kind(region, of(i)) == BorderKind::Cut;
-  std::vector<std::uint8_t> reached = waits, spared(document_.size(), 0);
-  std::vector<Index> part;
-  for (const Index start : halo.points) {
-    if (!waits[start]) continue;
-    bool whole = true;
-    float deepest = 0;
-    part.assign(1, start);
-    waits[start] = 0;
-    for (std::size_t p = 0; p < part.size(); ++p) {
-      deepest = std::max(deepest, distance[part[p]]);
-      for (const Index j : all.of(part[p]).first(links)) {
-        if (of(j) != of(start)) continue;
-        whole = whole && reached[j];
-        if (!waits[j]) continue;
-        waits[j] = 0;
-        part.push_back(j);
-      }
-    }
-    if (!whole) continue;
-    for (const Index i : part) spared[i] = distance[i] > deepest / 2;
-  }
-  std::erase_if(halo.points, [&](Index i) { return spared[i] != 0; });
-}
-
-BorderSides::Halo BorderSides::haloOf(RegionId region, std::span<const Index> rim,
-                                      Monitor& monitor) const {
-  const PreparedScan& prepared = document_.scan->prepared;
-  // The border runs between the points: half a spacing before the first one beyond.
-  const float half = prepared.spacing / 2;
-  const std::vector<float> distance = surfaceDistances({document_.points(), prepared.neighborhoods},
-                                                       rim, farthestReach(region) + half, monitor);
+BorderSides::Halo BorderSides::haloOf(RegionId region, std::span<const float> distance) const {
   Halo halo;
   for (Index i = 0; i < document_.size(); ++i)
-    if (takesPart(i) && of(i) != region && distance[i] - half < reach(region, of(i)))
+    if (takesPart(i) && of(i) != region && distance[i] < reach(region, of(i)))
       halo.points.push_back(i);
-  spareNarrow(region, distance, halo);
   std::sort(halo.points.begin(), halo.points.end(), [&](Index a, Index b) {
     return distance[a] != distance[b] ? distance[a] < distance[b] : a < b;
   });
-  for (const Index i : halo.points) halo.inside.push_back(std::max(0.f, distance[i] - half));
+  for (const Index i : halo.points) halo.inside.push_back(distance[i]);
   return halo;
+}
+
+void BorderSides::spareNarrow(std::span<const float> depth, std::array<Halo, kRegions>& halos,
+                              Monitor& monitor) const {
+  std::vector<bool> asked(document_.size(), false);
+  for (std::size_t r = 0; r < kRegions; ++r)
+    for (const Index i : halos[r].points)
+      if (kind(static_cast<RegionId>(r), of(i)) == BorderKind::Cut) asked[i] = true;
+  std::vector<Index> points;
+  for (Index i = 0; i < document_.size(); ++i)
+    if (asked[i]) points.push_back(i);
+  const PreparedScan& prepared = document_.scan->prepared;
+  const std::vector<bool> inner =
+      innerHalf({document_.points(), prepared.neighborhoods},
+                {*document_.labels, depth, prepared.spacing}, points, monitor);
+  std::vector<bool> spared(document_.size(), false);
+  for (std::size_t p = 0; p < points.size(); ++p) spared[points[p]] = inner[p];
+  for (std::size_t r = 0; r < kRegions; ++r) {
+    Halo kept;
+    for (std::size_t h = 0; h < halos[r].points.size(); ++h) {
+      const Index i = halos[r].points[h];
+      if (spared[i] && kind(static_cast<RegionId>(r), of(i)) == BorderKind::Cut) continue;
+      kept.points.push_back(i);
+      kept.inside.push_back(halos[r].inside[h]);
+    }
+    halos[r] = std::move(kept);
+  }
+}
+
+std::array<BorderSides::Halo, BorderSides::kRegions> BorderSides::halos(Monitor& monitor) const {
+  std::array<Halo, kRegions> out;
+  float farthest = 0;
+  for (std::size_t r = 0; r < kRegions; ++r)
+    if (source_[r] != kNoSource)
+      farthest = std::max(farthest, farthestReach(static_cast<RegionId>(r)));
+  if (farthest == 0) return out;
+  const PreparedScan& prepared = document_.scan->prepared;
+  // The border runs between the points: half a spacing before the first one beyond.
+  const float half = prepared.spacing / 2;
+  std::vector<float> depth(document_.size(), std::numeric_limits<float>::infinity());
+  const std::array<std::vector<Index>, kRegions> rim = rims(monitor);
+  for (std::size_t r = 0; r < kRegions; ++r) {
+    const auto region = static_cast<RegionId>(r);
+    if (rim[r].empty() || farthestReach(region) == 0) continue;
+    // Twice as far, so that it is known of what is reached whether it is narrow.
+    std::vector<float> distance = surfaceDistances({document_.points(), prepared.neighborhoods},
+                                                   rim[r], 2 * farthest + half, monitor);
+    for (float& d : distance) d = std::max(0.f, d - half);
+    for (Index i = 0; i < document_.size(); ++i)
+      if (of(i) != region) depth[i] = std::min(depth[i], distance[i]);
+    out[r] = haloOf(region, distance);
+  }
+  spareNarrow(depth, out, monitor);
+  return out;
 }
 
 }  // namespace dapple

@@ -30,21 +30,21 @@ class BorderSides {
   float reach(RegionId from, RegionId into) const;
   float farthestReach(RegionId from) const;
 
-  // By region: its points that are linked to a point of another. Throws Cancelled.
-  std::array<std::vector<Index>, kRegions> rims(Monitor& monitor) const;
-
   // Points of other regions that a region's pattern reaches, nearest first, and how far inside of
-  // their own they lie. Where borders are cut, the inner half of what it would reach as a whole is
-  // left out: the cheapest cut around a narrow region is none.
+  // their own they lie. Where borders are cut, the inner half of what is narrower than the band is
+  // left out: the cheapest cut around a narrow region, or an arm of one, is none.
   struct Halo {
     std::vector<Index> points;
     std::vector<float> inside;  // local units from the border
   };
-  // `rim` as rims() has it. Throws Cancelled.
-  Halo haloOf(RegionId region, std::span<const Index> rim, Monitor& monitor) const;
+  // By region. Throws Cancelled.
+  std::array<Halo, kRegions> halos(Monitor& monitor) const;
 
  private:
-  void spareNarrow(RegionId region, std::span<const float> distance, Halo& halo) const;
+  std::array<std::vector<Index>, kRegions> rims(Monitor& monitor) const;
+  Halo haloOf(RegionId region, std::span<const float> distance) const;
+  void spareNarrow(std::span<const float> depth, std::array<Halo, kRegions>& halos,
+                   Monitor& monitor) const;
 
   const Document& document_;
   std::vector<bool> takesPart_;
