@@ -7,6 +7,7 @@
 
 #include "base/errors.h"
 #include "document/live_regions.h"
+#include "document/textured_scan.h"
 #include "document_fixtures.h"
 #include "fixtures.h"
 #include "points/tangent_frames.h"
@@ -124,8 +125,9 @@ TEST_CASE("a normal map is turned into the points' frames, green up or down") {
   }
   CHECK(worst < 1e-4f);
   const Document even = textured(folder, reference("/s/noise.png", {{Channel::Normal, "flat"}}));
+  const PointChannels evenly = channels(even);
   for (Index i = 0; i < d.size(); ++i)
-    CHECK(glm::length(channels(even).normal[0] - d.points().normals[0]) < 1e-5f);
+    CHECK(glm::length(evenly.normal[i] - d.points().normals[i]) < 1e-5f);
 }
 
 TEST_CASE("blended gaps and borders mix channels with the weights of their colours") {
@@ -265,9 +267,6 @@ TEST_CASE("an exported scan has its channels as columns, and all texels of its b
       reference("/s/noise.png", {{Channel::Roughness, "rough"}, {Channel::Normal, "nor_gl"}});
   d = with(d, SetSwatch{.region = 0, .reference = swatch});
   d = with(d, SetSwatch{.region = 1, .reference = {.path = "/s/bricks.png"}});
-  // Others may filter the swatch, so that no texel has a point's colour.
-  for (const RegionId r : {0, 1})
-    d = with(d, SetRegion{.region = r, .options = TextureOptions{.method = Method::Hybrid}});
   for (const RegionId r : {0, 1})
     d = with(d, SetRegion{.region = r, .borderKind = BorderKind::Hard});
   const Document hard = with(d, Synthesize{});
@@ -297,8 +296,9 @@ TEST_CASE("an exported scan has its channels as columns, and all texels of its b
     const auto v = static_cast<std::size_t>(blend->find("vertex")->at(b));
     const auto s = static_cast<std::size_t>(blend->find("swatch")->at(b));
     const vec2 texel(blend->find("texel_x")->at(b), blend->find("texel_y")->at(b));
+    const auto level = static_cast<float>(blend->find("level")->at(b));
     const auto w = static_cast<float>(blend->find("weight")->at(b));
-    colour[v] += w * sampleSwatch(*d.results.sources[s]->swatch, texel);
+    colour[v] += w * sampleSwatch(*d.results.sources[s]->swatch, texel, level);
     weight[v] += w;
   }
   std::size_t points = 0;
@@ -309,4 +309,46 @@ TEST_CASE("an exported scan has its channels as columns, and all texels of its b
     CHECK(glm::length(colour[v] - scan.points.colours[scan.pointOf[v]]) < 0.006f);  // of 8 bits
   }
   CHECK(points == d.results.border->points.size());
+}
+
+TEST_CASE(
+    "an exported texel gives the colour again at its level, whatever the method and density") {
+  const TestFolder folder;
+  const Document sphere = [&] {
+    const Document d = sphereDocument(folder, 1500);
+    const Document parted = with(with(d, Select{.points = half(d, true)}), AddRegion{});
+    return with(parted, SetRegion{.region = 0, .borderKind = BorderKind::Hard});
+  }();
+  for (const Method method : {Method::Hybrid, Method::Coordinates, Method::Patches, Method::Match,
+                              Method::Mapping, Method::Grid, Method::Tiling})
+    for (const auto& [scale, repair] :
+         {std::pair(0.3, 3.), std::pair(0.3, 0.), std::pair(1., 3.)}) {
+      CAPTURE(static_cast<int>(method));
+      CAPTURE(scale);
+      CAPTURE(repair);
+      Document d = sphere;
+      TextureOptions options{.method = method, .levels = 3, .scale = scale};
+      options.gaps = GapFill::Match, options.repair = repair;
+      for (const RegionId r : {0, 1}) {
+        d = with(d, SetRegion{.region = r, .options = options});
+        d = with(d, SetSwatch{.region = r, .reference = {.path = "/s/noise.png"}});
+      }
+      d = with(d, Synthesize{});
+      with(d, SaveProject{.path = folder / "a.dapple"});
+      CHECK(sameContent(with(emptyDocument(), OpenProject{.path = folder / "a.dapple"}), d));
+      with(d, ExportScan{.path = folder / "out.ply", .options = {.sourceMap = true}});
+      Workers workers;
+      Monitor monitor(workers);
+      const std::optional<SourceMap> map = readSourceMap(loadScan(folder / "out.ply", {}, monitor));
+      REQUIRE(map);
+      float worst = 0;
+      for (Index i = 0; i < d.size(); ++i) {
+        const ResultSource& source = *d.results.sources[(*d.results.source)[i]];
+        if (!source.termsAt(i).empty()) continue;
+        const float level = map->level.empty() ? 0 : map->level[i];
+        const vec3 off = sampleSwatch(*source.swatch, map->texel[i], level) - map->colour[i];
+        worst = std::max({worst, std::abs(off.x), std::abs(off.y), std::abs(off.z)});
+      }
+      CHECK(worst < 0.501f / 255);  // of 8 bits
+    }
 }

@@ -19,10 +19,11 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
 inline bool sameMaps(const SourceMap& a, const SourceMap& b) {
   return a.unit == b.unit && sameBytes(a.scale, b.scale) && sameBytes(a.texel, b.texel) &&
          sameBytes(a.frame, b.frame) && sameBytes(a.colour, b.colour) &&
-         sameBytes(a.state, b.state) && sameBytes(a.patch, b.patch) &&
-         sameBytes(a.error, b.error) && sameBytes(a.order, b.order) &&
-         sameBytes(a.domain, b.domain) && sameBytes(a.placement, b.placement) &&
-         sameBytes(a.blendOffset, b.blendOffset) && sameBytes(a.blend, b.blend);
+         sameBytes(a.level, b.level) && sameBytes(a.state, b.state) &&
+         sameBytes(a.patch, b.patch) && sameBytes(a.error, b.error) &&
+         sameBytes(a.order, b.order) && sameBytes(a.domain, b.domain) &&
+         sameBytes(a.placement, b.placement) && sameBytes(a.blendOffset, b.blendOffset) &&
+         sameBytes(a.blend, b.blend);
 }
 
 }  // namespace dapple::testing

@@ -272,6 +272,7 @@ class Renewal {
       if (!target_.field.scale.empty()) map.scale.push_back(target_.field.scale[r]);
       map.texel.push_back(made_.texel[p]);
       map.frame.push_back(made_.frame[p]);
+      if (!made_.level.empty()) map.level.push_back(made_.level[p]);
       map.colour.push_back(made_.colour[p]);
       map.state.push_back(isFresh(p) ? made_.state[p] : (*results_.state)[i]);
       map.patch.push_back(made_.patch[p] == kNone ? kNone : numberOf_[made_.patch[p]]);

@@ -103,9 +103,10 @@ bool sameBorder(const std::shared_ptr<const BorderMix>& a,
 bool sameResults(const Results& a, const Results& b) {
   return sameColumn(a.source, b.source) && sameColumn(a.texel, b.texel) &&
          sameColumn(a.frame, b.frame) && sameColumn(a.scale, b.scale) &&
-         sameColumn(a.colour, b.colour) && sameColumn(a.state, b.state) &&
-         sameColumn(a.patch, b.patch) && sameColumn(a.error, b.error) &&
-         sameColumn(a.order, b.order) && sameBorder(a.border, b.border) &&
+         sameColumn(a.level, b.level) && sameColumn(a.colour, b.colour) &&
+         sameColumn(a.state, b.state) && sameColumn(a.patch, b.patch) &&
+         sameColumn(a.error, b.error) && sameColumn(a.order, b.order) &&
+         sameBorder(a.border, b.border) &&
          std::equal(a.sources.begin(), a.sources.end(), b.sources.begin(), b.sources.end(),
                     [](const auto& x, const auto& y) { return x == y || sameSource(*x, *y); });
 }
@@ -210,6 +211,7 @@ SourceMap wholeMap(const Document& document) {
   map.texel = *results.texel;
   map.frame = *results.frame;
   map.scale = scaleBeside(results, map.unit);
+  if (results.level) map.level = *results.level;
   map.colour = *results.colour;
   map.state = *results.state;
   map.patch = *results.patch;
@@ -240,6 +242,7 @@ std::vector<MemoryBlock> memoryBlocks(const Document& document) {
   note(blocks, results.texel);
   note(blocks, results.frame);
   note(blocks, results.scale);
+  note(blocks, results.level);
   note(blocks, results.colour);
   note(blocks, results.state);
   note(blocks, results.patch);

@@ -12,19 +12,19 @@ namespace {
 Element borderElement(const Document& document) {
   const Scan& scan = document.scan->prepared.scan;
   std::vector<std::int32_t> vertex, swatch;
-  std::array<std::vector<float>, 6> numbers;
+  std::array<std::vector<float>, 7> numbers;
   std::vector<SourceTerm> terms;
   for (const Index point : document.results.border->points) {
     gatherTerms(document.results, point, terms);
     for (const SourceTerm& term : terms) {
       vertex.push_back(static_cast<std::int32_t>(scan.record[point]));
       swatch.push_back(term.source);
-      const float values[] = {term.texel.x, term.texel.y, term.up.x,
-                              term.up.y,    term.up.z,    term.weight};
+      const float values[] = {term.texel.x, term.texel.y, term.up.x, term.up.y,
+                              term.up.z,    term.weight,  term.level};
       for (std::size_t c = 0; c < numbers.size(); ++c) numbers[c].push_back(values[c]);
     }
   }
-  constexpr std::array kNames{"texel_x", "texel_y", "up_x", "up_y", "up_z", "weight"};
+  constexpr std::array kNames{"texel_x", "texel_y", "up_x", "up_y", "up_z", "weight", "level"};
   Element element{.name = std::string(kBorderElement), .count = vertex.size()};
   setColumn(element, "vertex", vertex);
   setColumn(element, "swatch", swatch);

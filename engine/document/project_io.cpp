@@ -48,6 +48,7 @@ Element pointElement(const Document& document) {
   add<float>(points, kTexel, *results.texel);
   add<float>(points, kFrame, *results.frame);
   if (results.scale) add<float>(points, {"scale"}, *results.scale);
+  if (results.level) add<float>(points, {"level"}, *results.level);
   add<float>(points, kColour, *results.colour);
   add<std::uint8_t>(points, {"state"}, *results.state);
   add<std::uint32_t>(points, {"patch"}, *results.patch);
@@ -448,6 +449,12 @@ Results readResults(const json& settings, const RecordTable& table, const Docume
     for (const float scale : *results.scale)
       if (!(scale > 0) || !std::isfinite(scale))
         refuse(file, fmt::format("the swatch has scale {} at a point", scale));
+  }
+  if (points.has("level")) {
+    results.level = points.read<float, float>({"level"});
+    for (const float level : *results.level)
+      if (!(level >= 0) || !std::isfinite(level))
+        refuse(file, fmt::format("a point is read at level {} of its swatch", level));
   }
   results.colour = points.read<float, vec3>(kColour);
   results.state = points.read<std::uint8_t, PointState>({"state"});

@@ -87,6 +87,7 @@ struct OpenColumns {
         [&] { open(old.error, error, n, 0.f); },
         [&] {
           if (old.scale) scale = *old.scale;
+          if (old.level) level = *old.level;
         },
         [&] { open(old.source, source, n, kNoSource); },
         [&] { open(old.state, state, n, PointState::Free); },
@@ -104,6 +105,7 @@ struct OpenColumns {
     texel[i] = vec2(0);
     frame[i] = {};
     if (!scale.empty()) scale[i] = 1;
+    if (!level.empty()) level[i] = 0;
     colour[i] = own;
     state[i] = PointState::Free;
     patch[i] = order[i] = kNone;
@@ -119,6 +121,7 @@ struct OpenColumns {
     else
       for (const Index i : result.points) source[i] = id;
     if (!map.scale.empty() && scale.empty()) scale.assign(source.size(), 1);
+    if (!map.level.empty() && level.empty()) level.assign(source.size(), 0);
     const std::vector<Index>& points = result.changed ? *result.changed : result.points;
     for (std::size_t r = 0; r < map.colour.size(); ++r) {
       const std::size_t i = points.empty() ? r : points[r];
@@ -126,6 +129,7 @@ struct OpenColumns {
       texel[i] = map.texel[r];
       frame[i] = map.frame[r];
       if (!scale.empty()) scale[i] = map.scale.empty() ? 1 : map.scale[r];
+      if (!level.empty()) level[i] = map.level.empty() ? 0 : map.level[r];
       colour[i] = map.colour[r];
       state[i] = map.state[r];
       patch[i] = map.patch[r];
@@ -141,6 +145,8 @@ struct OpenColumns {
     out.frame = shared(std::move(frame));
     const auto scaled = [](float s) { return s != 1; };
     if (std::any_of(scale.begin(), scale.end(), scaled)) out.scale = shared(std::move(scale));
+    const auto filtered = [](float l) { return l != 0; };
+    if (std::any_of(level.begin(), level.end(), filtered)) out.level = shared(std::move(level));
     out.colour = shared(std::move(colour));
     out.state = shared(std::move(state));
     out.patch = shared(std::move(patch));
@@ -156,6 +162,7 @@ struct OpenColumns {
   std::vector<vec2> texel;
   std::vector<TangentFrame> frame;
   std::vector<float> scale;  // empty: 1 everywhere
+  std::vector<float> level;  // empty: 0 everywhere
   std::vector<vec3> colour;
   std::vector<PointState> state;
   std::vector<Index> patch, order;

@@ -33,14 +33,16 @@ void gatherTerms(const Results& results, Index point, std::vector<SourceTerm>& t
   if (results.border)
     if (const auto b = results.border->find(point))
       for (const BorderTerm& term : results.border->termsOf(*b)) {
-        terms.push_back({term.source, term.texel, term.up, term.weight});
+        terms.push_back({term.source, term.texel, term.up, term.weight, term.level});
         own -= term.weight;
       }
   if (own < kLeastWeight) return;
   const vec3 up = (*results.frame)[point].t;
   const std::span<const BlendTerm> blend = source.termsAt(point);
   for (const BlendTerm& term : blend) terms.push_back({s, term.texel, up, own * term.weight});
-  if (blend.empty()) terms.push_back({s, (*results.texel)[point], up, own});
+  if (!blend.empty()) return;
+  const float level = results.level ? (*results.level)[point] : 0;
+  terms.push_back({s, (*results.texel)[point], up, own, level});
 }
 
 void noteBlends(const SourceMap& map, std::span<const Index> ids, ResultSource& source) {
@@ -65,6 +67,7 @@ Results resultsOf(const SourceMap& map, const ResultSource& source) {
   out.texel = column(map.texel);
   out.frame = column(map.frame);
   if (!map.scale.empty()) out.scale = column(map.scale);
+  if (!map.level.empty()) out.level = column(map.level);
   out.colour = column(map.colour);
   out.state = column(map.state);
   out.patch = column(map.patch);

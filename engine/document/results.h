@@ -93,6 +93,7 @@ struct Results {
   Column<vec2> texel;
   Column<TangentFrame> frame;
   Column<float> scale;  // of the swatch, times its source's unit; null: 1 everywhere
+  Column<float> level;  // of the swatch's stack that a colour was read at; null: 0 everywhere
   Column<vec3> colour;  // never synthesized: the scan's own, or kBare
   Column<PointState> state;
   Column<Index> patch;
@@ -109,6 +110,7 @@ struct SourceTerm {
   vec2 texel{0};
   vec3 up{0, 1, 0};  // of the source's swatch, on the surface
   float weight = 0;
+  float level = 0;  // of the swatch's stack that it is read at
 };
 
 // All texels that a point is made of, blended gaps and borders included; the weights sum to 1. None

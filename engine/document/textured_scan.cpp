@@ -1,8 +1,10 @@
 // The columns: swatch (int, a number each; -1: none), texel_x texel_y (float, swatch pixels, y
 // down), frame_sx ... frame_tz (float: the swatch's axes to the right and up, model directions),
-// scale (float, of the swatch; where it is not 1 everywhere), patch (int, -1: none), state (uchar:
-// 0 free, 1 patch, 2 gap, 3 matched), error (float), order (int, -1: never decided); read only:
-// region (any integer, -1: none). The comment: "dapple unit U", U model units per swatch pixel.
+// scale (float, of the swatch; where it is not 1 everywhere), level (float: the colour is the
+// texel's at this level of the swatch's stack, unless it is blended; where it is not 0 everywhere),
+// patch (int, -1: none), state (uchar: 0 free, 1 patch, 2 gap, 3 matched), error (float), order
+// (int, -1: never decided); read only: region (any integer, -1: none). The comment: "dapple unit
+// U", U model units per swatch pixel.
 #include "document/textured_scan.h"
 
 #include <algorithm>
@@ -59,6 +61,8 @@ void addSourceMap(Element& vertices, const Scan& scan, const SourceMap& map,
   addColumn<float>(vertices, scan, "texel_y", 0, [&](Index i) { return map.texel[i].y; });
   addFrames(vertices, scan, map.frame);
   if (!map.scale.empty()) addScale(vertices, scan, map.scale);
+  if (!map.level.empty())
+    addColumn<float>(vertices, scan, "level", 0, [&](Index i) { return map.level[i]; });
   addColumn<std::int32_t>(vertices, scan, "patch", -1,
                           [&](Index i) { return signedId(map.patch[i]); });
   addColumn<std::uint8_t>(vertices, scan, "state", 0,
@@ -156,6 +160,11 @@ std::optional<SourceMap> readSourceMap(const Scan& scan) {
     const auto usable = [](double s) { return s > 0 && std::isfinite(s); };
     if (std::all_of(scale->begin(), scale->end(), usable))
       map.scale.assign(scale->begin(), scale->end());
+  }
+  if (const auto level = pointColumn(scan, "level")) {
+    const auto usable = [](double l) { return l >= 0 && std::isfinite(l); };
+    if (std::all_of(level->begin(), level->end(), usable))
+      map.level.assign(level->begin(), level->end());
   }
   map.colour = scan.points.colours;
   return map;

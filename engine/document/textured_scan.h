@@ -12,7 +12,7 @@
 namespace dapple {
 
 struct ExportOptions {
-  bool sourceMap = false;    // also swatch, texel_x, texel_y, frame, patch, state, error, order
+  bool sourceMap = false;    // also swatch, texel, frame, scale, level, patch, state, error, order
   bool keepColours = false;  // the scan's own colours stay, as original_red ...
   bool channels = true;      // also the material channels that the swatches have (channels.h)
   bool corners = true;       // also where in the swatch a mesh's corners lie (corner_texture.h)

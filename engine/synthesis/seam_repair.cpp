@@ -67,7 +67,9 @@ class SeamRepair {
   RepairStatistics run() {
     findBands();
     statistics_.open = static_cast<std::size_t>(std::count(open_.begin(), open_.end(), 1));
-    if (statistics_.open > 0) relax();
+    if (statistics_.open == 0) return statistics_;
+    findLevels();
+    relax();
     return statistics_;
   }
 
@@ -79,13 +81,24 @@ class SeamRepair {
       if (!domains_.empty()) map.domain[moved_[m]] = domains_[m];
       map.patch[moved_[m]] = patches_[m];
     }
-    for (std::size_t i = 0; i < open_.size(); ++i)
-      if (open_[i]) map.colour[i] = colourOf(i, map.texel[i]);
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      if (!open_[i]) continue;
+      map.colour[i] = colourOf(i, map.texel[i]);
+      if (!map.level.empty()) map.level[i] = levelAt(i);
+    }
   }
 
  private:
+  void findLevels() {
+    if (!options_.level) return;
+    level_ = localSpacing(in_.neighborhoods, in_.points.positions);
+    for (std::size_t i = 0; i < level_.size(); ++i)
+      level_[i] = options_.level(level_[i], in_.unitAt(i));
+  }
+
+  float levelAt(std::size_t i) const { return level_.empty() ? 0 : level_[i]; }
   vec3 colourOf(std::size_t i, vec2 texel) const {
-    return sampleSwatch(in_.swatch, texel, options_.filtered ? readLevel(in_, i) : 0.f);
+    return sampleSwatch(in_.swatch, texel, levelAt(i));
   }
 
   bool isBlended(std::size_t i) const {
@@ -262,7 +275,8 @@ class SeamRepair {
   Monitor& monitor_;
   PlaceDomain domain_;
   std::vector<std::uint8_t> open_;
-  std::vector<vec2> texel_;  // n, afterwards
+  std::vector<float> level_;  // n, that colours are read at; empty: 0
+  std::vector<vec2> texel_;   // n, afterwards
   std::vector<Index> moved_;
   std::vector<Index> patches_;  // of those moved
   std::vector<vec2> domains_;   // of those moved; empty: there are none

@@ -27,6 +27,8 @@ struct SourceMap {
   std::vector<vec2> texel;          // swatch pixels
   std::vector<TangentFrame> frame;  // the swatch's axes on the surface
   std::vector<vec3> colour;         // 0..1
+  std::vector<float> level;         // of the swatch's stack that the colour was read at, unless it
+                                    // is blended; empty: 0 everywhere
   std::vector<PointState> state;
   std::vector<Index> patch;        // patch or cluster id, kNone when none
   std::vector<float> error;        // what the method minimised (distortion, matching error)

@@ -57,10 +57,38 @@ bool charts(const TextureOptions& options) {
          options.method == Method::Grid || options.method == Method::Mapping;
 }
 
+// Null: the swatch itself is shown, whatever the spacing.
+LevelRule levelRule(Method method) {
+  switch (method) {
+    case Method::Match:
+    case Method::Grid:
+    case Method::Mapping:
+      return filterLevel;
+    case Method::Coordinates:
+    case Method::Tiling:
+      return siteLevel;
+    default:
+      return nullptr;
+  }
+}
+
 RepairOptions repairOptions(const TextureOptions& options) {
-  const bool lays = options.method == Method::Hybrid || options.method == Method::Patches ||
-                    options.method == Method::Mapping;
-  return {.width = static_cast<float>(options.repair), .filtered = !lays};
+  return {.width = static_cast<float>(options.repair), .level = levelRule(options.method)};
+}
+
+// Sets the levels that the colours were read at, where there are others than 0.
+void noteLevels(const SynthesisInput& input, const TextureOptions& options, SourceMap& map) {
+  map.level.clear();
+  const bool matchesGaps = options.method == Method::Hybrid && options.gaps == GapFill::Match;
+  const LevelRule rule = matchesGaps ? filterLevel : levelRule(options.method);
+  if (!rule) return;
+  std::vector<float> level = localSpacing(input.neighborhoods, input.points.positions);
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    const bool read = !matchesGaps || map.state[i] == PointState::Matched;
+    level[i] = read ? rule(level[i], input.unitAt(i)) : 0;
+  }
+  if (std::any_of(level.begin(), level.end(), [](float l) { return l > 0; }))
+    map.level = std::move(level);
 }
 
 std::size_t passesOf(const TextureOptions& options) {
@@ -105,16 +133,8 @@ bool keepsPoints(const TextureOptions& options) {
 }
 
 float shownLevel(Method method, float spacing, float unit) {
-  switch (method) {
-    case Method::Match:
-    case Method::Grid:
-      return filterLevel(spacing, unit);
-    case Method::Coordinates:
-    case Method::Tiling:
-      return siteLevel(spacing, unit);
-    default:
-      return 0;
-  }
+  const LevelRule rule = levelRule(method);
+  return rule ? rule(spacing, unit) : 0;
 }
 
 SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& options,
@@ -169,6 +189,7 @@ SynthesisResult synthesize(const SynthesisInput& given, const TextureOptions& op
       scatterTexels(input, options.seed, map, monitor);
       break;
   }
+  noteLevels(input, options, map);
   if (repairs(options)) repairSeams(input, repairOptions(options), map, monitor);
   const auto matched = std::count(map.state.begin(), map.state.end(), PointState::Matched);
   result.statistics.matchedShare = static_cast<double>(matched) / static_cast<double>(n);
