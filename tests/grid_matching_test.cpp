@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <queue>
 
 #include "base/errors.h"
 #include "document/options_table.h"
 #include "fixtures.h"
+#include "same_maps.h"
 #include "synthesis/grid_matching.h"
 #include "synthesis/grid_neighborhood.h"
 #include "synthesis/surface_order.h"
 
 using namespace dapple;
+using dapple::testing::sameMaps;
 
 namespace {
 
@@ -60,18 +61,6 @@ PointSet joined(PointSet a, const PointSet& b, vec3 moved) {
     a.normals.push_back(b.normals[i]);
   }
   return a;
-}
-
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-bool sameMaps(const SourceMap& a, const SourceMap& b) {
-  return sameBytes(a.texel, b.texel) && sameBytes(a.colour, b.colour) &&
-         sameBytes(a.state, b.state) && sameBytes(a.patch, b.patch) &&
-         sameBytes(a.error, b.error) && sameBytes(a.order, b.order) &&
-         sameBytes(a.domain, b.domain) && sameBytes(a.frame, b.frame);
 }
 
 // From b to a across the borders of a swatch that tiles.
@@ -229,12 +218,12 @@ TEST_CASE("grid: single colours one point a match, multi many") {
   }
 }
 
-TEST_CASE("grid: the same bytes at 1, 2 and 3 threads and again, others for another seed") {
-  const Scene scene = {fixtures::makeSphere(6000, 22), fixtures::swatchOf(fixtures::blobs(32))};
+TEST_CASE("grid: the same bytes at 1 and 3 threads and again, others for another seed") {
+  const Scene scene = {fixtures::makeSphere(4500, 19), fixtures::swatchOf(fixtures::blobs(32))};
   for (const GridAssign assign : {GridAssign::Single, GridAssign::Multi}) {
     GridOptions options{.size = 7, .assign = assign};
     const auto one = scene.run(options);
-    for (const unsigned threads : {1u, 2u, 3u})
+    for (const unsigned threads : {1u, 3u})
       CHECK(sameMaps(one.map, scene.run(options, {}, threads).map));
     options.seed = 2;
     CHECK(!sameMaps(one.map, scene.run(options).map));

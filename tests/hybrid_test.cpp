@@ -155,7 +155,7 @@ TEST_CASE("hybrid: the result is the same at any number of threads") {
 }
 
 TEST_CASE("hybrid: a stop at any progress ends it before the end") {
-  const Scene scene{fixtures::makeSphere(60000, 1),
+  const Scene scene{fixtures::makeSphere(30000, 1),
                     fixtures::swatchOf(fixtures::noise(48), Tileable::No)};
   Workers workers(2);
   for (const double fraction : {0.0, 0.3, 0.5, 0.7, 0.9}) {

@@ -4,15 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <vector>
 
 #include "base/errors.h"
 #include "base/hash_rng.h"
+#include "same_maps.h"
 #include "synthesis/matching_level.h"
 
 using namespace dapple;
+using dapple::testing::sameMaps;
 
 namespace {
 
@@ -90,17 +91,6 @@ SourceMap patchMap(const Scan& scan, const Swatch& swatch, float edge) {
 
 SynthesisInput inputOf(const Scan& scan, const Swatch& swatch) {
   return {scan.points, scan.neighborhoods, swatch, scan.frames, kUnit};
-}
-
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-bool sameMaps(const SourceMap& a, const SourceMap& b) {
-  return sameBytes(a.texel, b.texel) && sameBytes(a.colour, b.colour) &&
-         sameBytes(a.state, b.state) && sameBytes(a.patch, b.patch) &&
-         sameBytes(a.error, b.error) && sameBytes(a.order, b.order);
 }
 
 constexpr struct {
@@ -200,7 +190,7 @@ TEST_CASE("a coherent choice is never worse than any prediction of its neighbour
   CHECK(compared > 2000);
 }
 
-TEST_CASE("all modes give the same bytes at 1, 2 and 3 threads, and others for another seed") {
+TEST_CASE("all modes give the same bytes at 1 and 3 threads, and others for another seed") {
   Workers one(1);
   Monitor setup(one);
   const Scan scan = plane(32, 0.3f, 16, setup);
@@ -209,14 +199,13 @@ TEST_CASE("all modes give the same bytes at 1, 2 and 3 threads, and others for a
     for (const auto& mode : kModes) {
       MatchingOptions options{mode.coherent, mode.levels, 1, mode.asPrinted};
       std::vector<SourceMap> maps;
-      for (unsigned threads : {1u, 2u, 3u}) {
+      for (unsigned threads : {1u, 3u}) {
         Workers workers(threads);
         Monitor monitor(workers);
         maps.push_back(emptyMap(scan));
         matchNeighborhoods(inputOf(scan, swatch), options, maps.back(), monitor);
       }
       CHECK(sameMaps(maps[0], maps[1]));
-      CHECK(sameMaps(maps[0], maps[2]));
       options.seed = 2;
       SourceMap other = emptyMap(scan);
       matchNeighborhoods(inputOf(scan, swatch), options, other, setup);

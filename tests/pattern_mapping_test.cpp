@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include "base/errors.h"
@@ -61,11 +60,6 @@ Scene ball(Swatch swatch) {
   return {fixtures::inMortonOrder(points), std::move(swatch)};
 }
 
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
 std::vector<Index> allOf(const PointSet& points) {
   std::vector<Index> ids(points.size());
   std::iota(ids.begin(), ids.end(), Index{0});
@@ -113,22 +107,6 @@ TEST_CASE("mapping: every point has a place, and all of a cluster the same place
       }
       CHECK(std::count(ranks.begin(), ranks.end(), 1) == static_cast<std::ptrdiff_t>(ranks.size()));
     }
-}
-
-TEST_CASE("mapping: the same bytes at any number of threads") {
-  for (const bool follow : {true, false}) {
-    const Scene scene = ball(fixtures::swatchOf(fixtures::bricks(40), Tileable::No));
-    const SourceMap one = scene.run(follow, 1).map;
-    for (const unsigned threads : {2u, 3u}) {
-      const SourceMap other = scene.run(follow, threads).map;
-      CHECK(sameBytes(one.texel, other.texel));
-      CHECK(sameBytes(one.frame, other.frame));
-      CHECK(sameBytes(one.colour, other.colour));
-      CHECK(sameBytes(one.patch, other.patch));
-      CHECK(sameBytes(one.error, other.error));
-      CHECK(sameBytes(one.order, other.order));
-    }
-  }
 }
 
 TEST_CASE("mapping: a plane smaller than the swatch is a copy of it") {

@@ -238,7 +238,7 @@ TEST_CASE("repair does not lower the score of what has seams") {
                                        .swatch = swatch,
                                        .unit = kUnit,
                                        .map = &map},
-                                      {}, monitor)
+                                      {.evaluationPoints = 800}, monitor)
                              .F;
     }
     CAPTURE(score[0]);

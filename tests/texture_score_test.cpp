@@ -141,7 +141,7 @@ TEST_CASE("the direction of a pattern is measured, where it has one") {
     for (const vec3& t : plane().up)
       directions.push_back({t.x * std::cos(angle) - t.y * std::sin(angle),
                             t.x * std::sin(angle) + t.y * std::cos(angle), 0});
-    return scored(plane(), colours, swatch, {&directions, kFull}).direction;
+    return scored(plane(), colours, swatch, {&directions}).direction;
   };
   for (const float degrees : {0.f, 10.f, -25.f, 90.f}) {
     CAPTURE(degrees);
@@ -152,8 +152,7 @@ TEST_CASE("the direction of a pattern is measured, where it has one") {
     CHECK(error->perfect95 < 3);
   }
   const Swatch round = fixtures::swatchOf(fixtures::noise(48));
-  CHECK_FALSE(
-      scored(plane(), paint(plane(), round, asItIs), round, {&plane().up, kFull}).direction);
+  CHECK_FALSE(scored(plane(), paint(plane(), round, asItIs), round, {&plane().up}).direction);
 }
 
 TEST_CASE("denser and sparser points give a perfect mapping its due") {
@@ -209,13 +208,13 @@ TEST_CASE("the score is the same bytes at any number of threads") {
 TEST_CASE("the unit of the model makes no difference") {
   const Swatch swatch = fixtures::swatchOf(fixtures::blobs(48));
   const auto colours = paint(plane(), swatch, asItIs);
-  const double F = scored(plane(), colours, swatch, {.points = 300}).F;
+  const double F = scored(plane(), colours, swatch, {.points = 100}).F;
   PointSet metres = plane().points;
   for (vec3& p : metres.positions) p *= 1.0f / 1024;
   Workers workers(1);
   Monitor monitor(workers);
   const TextureScore score = scoreTexture(
-      {metres, plane().neighborhoods, colours, swatch, 1.0f / 1024}, {300, 1}, monitor);
+      {metres, plane().neighborhoods, colours, swatch, 1.0f / 1024}, {100, 1}, monitor);
   CHECK(score.F == doctest::Approx(F).epsilon(1e-6));
 }
 
