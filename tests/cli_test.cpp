@@ -888,18 +888,51 @@ TEST_CASE("--shading takes a word after it or none, wherever the scan stands") {
 }
 
 }  // namespace
+// A map of one value all over, as large as the swatch.
+Image evenMap(const std::vector<float>& value) {
+  const Image colour = readImage(swatch());
+  Image map{
+      .width = colour.width, .height = colour.height, .channels = static_cast<int>(value.size())};
+  for (int p = 0; p < map.width * map.height; ++p)
+    map.pixels.insert(map.pixels.end(), value.begin(), value.end());
+  return map;
+}
+
+TEST_CASE("a folder as a swatch gives its colours and channels, and without them its colours") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "stone");
+  fs::copy_file(swatch(), folder / "stone/stone_diff_1k.png");
+  writeImage(folder / "stone/stone_rough_1k.png", evenMap({0.25f}), true);
+  writeImage(folder / "stone/stone_nor_gl_1k.png", evenMap({0.5f, 0.5f, 1}), true);
+  const std::string scan = folder.write("s.xyz", xyzText(spherePoints(1000, 1)));
+  const auto textured = [&](const std::string& given, const Arguments& more) {
+    const Arguments all{"texture", scan, "--swatch", given, "-o", folder / "out.ply", "--ascii"};
+    const Run run = dapple(all + more);
+    REQUIRE_MESSAGE(run.code == 0, run.err);
+    return readPlyText(folder / "out.ply");
+  };
+  const PlyText whole = textured(folder / "stone", {});
+  const std::vector<std::string> columns = propertiesOf(whole, "vertex");
+  const auto rough = std::find(columns.begin(), columns.end(), "roughness");
+  REQUIRE(rough != columns.end());
+  CHECK(countOf(columns, "mapped_nx") == 1);
+  CHECK(countOf(columns, "height") == 0);
+  REQUIRE(whole.body.size() >= 1000);
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const double value =
+        std::stod(wordsOf(whole.body[i])[static_cast<std::size_t>(rough - columns.begin())]);
+    CHECK(std::abs(value - 0.25) < 1e-4);
+  }
+  const PlyText bare = textured(folder / "stone", {"--channel", "none"});
+  CHECK(countOf(propertiesOf(bare, "vertex"), "roughness") == 0);
+  CHECK(bare.body == textured(swatch(), {"--channel", "none"}).body);
+}
+
 TEST_CASE("channels of a swatch are written by point, found or named, and pictured") {
   const TemporaryFolder folder;
-  const Image colour = readImage(swatch());
-  Image roughness{.width = colour.width, .height = colour.height, .channels = 1};
-  roughness.pixels.assign(
-      static_cast<std::size_t>(colour.width) * static_cast<std::size_t>(colour.height), 0.25f);
-  Image normal{.width = colour.width, .height = colour.height, .channels = 3};
-  for (std::size_t p = 0; p < roughness.pixels.size(); ++p)
-    normal.pixels.insert(normal.pixels.end(), {0.5f, 0.5f, 1.f});
   fs::copy_file(swatch(), folder / "stone.png");
-  writeImage(folder / "stone_rough.png", roughness, true);
-  writeImage(folder / "n.exr", normal);
+  writeImage(folder / "stone_rough.png", evenMap({0.25f}), true);
+  writeImage(folder / "n.exr", evenMap({0.5f, 0.5f, 1}));
   const std::string scan = folder.write("s.xyz", xyzText(spherePoints(1000, 1)));
   const std::string out = folder / "out.ply";
   Run run = dapple({"texture", scan, "--swatch", folder / "stone.png", "-o", out, "--ascii",

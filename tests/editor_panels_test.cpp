@@ -1,5 +1,7 @@
 // The panels: what they show, and what comes of using them.
+#include "tests/document_fixtures.h"
 #include "tests/editor_desk.h"
+#include "tests/fixtures.h"
 
 using namespace dapple;
 
@@ -46,6 +48,26 @@ TEST_CASE("a new region is the chosen one, and what is dropped on a part is for 
   desk.rest();
   CHECK(findRegion(desk.document(), body)->reference.path == asset("swatches/scales.png"));
   desk.save("regions");
+}
+
+TEST_CASE("a folder that is dropped is the region's swatch with its channels") {
+  const fixtures::TestFolder folder;
+  const std::filesystem::path stone = folder / "stone";
+  std::filesystem::create_directory(stone);
+  for (const char* ending : {"diff", "nor_gl", "rough"})
+    writeImage(stone / fmt::format("stone_{}_1k.png", ending), fixtures::noise(48));
+  Desk desk;
+  desk.openScan();
+  desk.gui.drop({stone});
+  desk.rest();
+  const SwatchReference& swatch = first(desk).reference;
+  CHECK(swatch.path == stone / "stone_diff_1k.png");
+  CHECK(swatch.channels[Channel::Normal] == stone / "stone_nor_gl_1k.png");
+  CHECK(swatch.channels[Channel::Roughness] == stone / "stone_rough_1k.png");
+  CHECK(swatch.channels[Channel::Height].empty());
+  CHECK(!swatch.channels.greenDown);
+  REQUIRE(first(desk).maps);
+  CHECK(first(desk).swatch->pixels() == 48 * 48);
 }
 
 TEST_CASE("a region is renamed where its name stands, and shown alone") {
