@@ -11,12 +11,12 @@
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/phase_field.h"
 #include "synthesis/place_levels.h"
+#include "synthesis/torus_crop.h"
 
 namespace dapple {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-constexpr int kLargestSide = 512;  // pixels: a repeated swatch is twice as large as far as this
 // Of the points: when more are stretched too much, coordinates are synthesized from the start. F of
 // acg_bricks102 on the bunny, 0.79 of which is stretched: 0.55 within phases, 0.76 without.
 constexpr double kMostOpen = 0.6;
@@ -125,10 +125,22 @@ struct Repeated {
   std::vector<Place> places;  // w x h, in the swatch that it is made of
 };
 
+// Most of the swatch itself, closed along its sides: it shows everything once and has hardly any
+// seams. F on the bunny, mean of twelve swatches: 0.66, and 0.47 of a torus that is synthesized
+// from nothing, twice as large where that is no larger than 512 pixels.
+std::vector<Place> torusOf(const Swatch& swatch, std::uint64_t seed, CoordinateGrid& grid,
+                           Monitor& monitor) {
+  grid = {swatch.width, swatch.height, true};
+  if (swatch.hasHoles) return synthesizeGrid(swatch, grid, {.seed = seed}, monitor);
+  const TorusCrop crop = bestTorusCrop(swatch, monitor);
+  grid = {crop.width, crop.height, true};
+  return closedTorus(swatch, crop, GridSynthesis{}.quality, monitor);
+}
+
 Repeated repeated(const Swatch& swatch, std::uint64_t seed, Monitor& monitor) {
-  const auto side = [](int size) { return size <= kLargestSide / 2 ? 2 * size : size; };
-  const CoordinateGrid grid{side(swatch.width), side(swatch.height), true};
-  Repeated out{.places = synthesizeGrid(swatch, grid, {.seed = seed}, monitor)};
+  Repeated out;
+  CoordinateGrid grid;
+  out.places = torusOf(swatch, seed, grid, monitor);
   Image image{.width = grid.width, .height = grid.height, .channels = 3};
   for (const Place place : out.places) {
     const vec3 colour = sampleSwatch(swatch, texelOf(place));
