@@ -12,7 +12,7 @@
 namespace dapple {
 
 struct TilingOptions {
-  float stretch = 0.25f;  // pixels per pixel: points that are off by more are synthesized
+  float stretch = 0.18f;  // pixels per pixel: points that are off by more are synthesized
   int starts = 3;         // of the phase field, of which the smoothest is taken
   std::uint64_t seed = 1;
 };
