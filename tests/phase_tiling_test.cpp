@@ -10,6 +10,7 @@
 #include "synthesis/coordinate_synthesis.h"
 #include "synthesis/phase_field.h"
 #include "synthesis/tiling_synthesis.h"
+#include "synthesis/torus_crop.h"
 
 using namespace dapple;
 using dapple::testing::sameBytes;
@@ -263,9 +264,12 @@ TEST_CASE("tiling: stopping throws Cancelled and leaves the map as it was") {
   CHECK(sameBytes(map.state, before.state));
 }
 
-TEST_CASE("of a swatch that does not tile, one that does is made and repeated") {
+TEST_CASE("of a swatch that does not tile, a part that does is made and repeated") {
   const Scan scan = plane(150, 110);
-  const Swatch swatch = swatchOf(noise(kSize), Tileable::No);
+  const Swatch swatch = swatchOf(noise(2 * kSize), Tileable::No);
+  Workers workers(2);
+  const Monitor monitor(workers);
+  const auto period = static_cast<float>(bestTorusCrop(swatch, monitor).width);
   const SourceMap map = tiled(scan, swatch);
   std::size_t goesOn = 0, same = 0, pairs = 0;
   for (Index i = 0; i < scan.points.size(); ++i) {
@@ -275,10 +279,10 @@ TEST_CASE("of a swatch that does not tile, one that does is made and repeated") 
     const vec2 off = map.texel[j] - map.texel[i] - vec2(way.x, -way.y);
     goesOn += glm::length(off) < 0.6f ? 1 : 0;
   }
-  // Pieces of the swatch, not single texels; and the same again where the larger one begins anew.
-  CHECK(goesOn > scan.points.size() * 6 / 10);
+  // Pieces of the swatch, not single texels; and the same again where the torus begins anew.
+  CHECK(goesOn > scan.points.size() * 8 / 10);
   for (Index i = 0; i < scan.points.size(); i += 7) {
-    const vec3 wanted = scan.points.positions[i] + vec3(2 * kSize, 0, 0);
+    const vec3 wanted = scan.points.positions[i] + vec3(period, 0, 0);
     for (Index j = 0; j < scan.points.size(); ++j) {
       const vec3 way = wanted - scan.points.positions[j];
       if (glm::length(way) > 0.35f) continue;

@@ -30,35 +30,6 @@ int levelsOf(const Swatch& swatch, const CoordinateGrid& grid) {
   return levels;
 }
 
-// Places of `fine` from those of the level above.
-std::vector<Place> extended(const GridSites& fine, const GridSites& coarse,
-                            const PlaceDomain& domain, const std::vector<Place>& places,
-                            Monitor& monitor) {
-  std::vector<Place> out(fine.size());
-  parallelFor(monitor, out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const vec2 at = fine.position(i);
-      const int x = std::min(static_cast<int>(at.x / coarse.spacing.x), coarse.columns - 1);
-      const int y = std::min(static_cast<int>(at.y / coarse.spacing.y), coarse.rows - 1);
-      const std::size_t parent = static_cast<std::size_t>(y) * coarse.columns + x;
-      const vec2 way = glm::round((at - coarse.position(parent)) * kPlaceScale);
-      out[i] = domain.moved(places[parent],
-                            {static_cast<std::int32_t>(way.x), static_cast<std::int32_t>(way.y)});
-    }
-  });
-  return out;
-}
-
-// To centres of texels: sites are a pixel apart, so that pieces show texels, and no mixtures of
-// them.
-void snapToTexels(const PlaceDomain& domain, std::vector<Place>& places) {
-  constexpr std::int32_t kHalf = 1 << (kPlaceBits - 1);
-  const auto centre = [](std::int32_t at) {
-    return (((at - kHalf) >> kPlaceBits) << kPlaceBits) + kHalf;
-  };
-  for (Place& place : places) place = domain.wrapped({centre(place.x), centre(place.y)});
-}
-
 }  // namespace
 
 vec2 GridSites::position(std::size_t site) const {
@@ -91,6 +62,32 @@ GridSites gridSites(const CoordinateGrid& grid, int level, std::int32_t reach) {
   return out;
 }
 
+std::vector<Place> extendedPlaces(const GridSites& fine, const GridSites& coarse,
+                                  const PlaceDomain& domain, const std::vector<Place>& places,
+                                  Monitor& monitor) {
+  std::vector<Place> out(fine.size());
+  parallelFor(monitor, out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const vec2 at = fine.position(i);
+      const int x = std::min(static_cast<int>(at.x / coarse.spacing.x), coarse.columns - 1);
+      const int y = std::min(static_cast<int>(at.y / coarse.spacing.y), coarse.rows - 1);
+      const std::size_t parent = static_cast<std::size_t>(y) * coarse.columns + x;
+      const vec2 way = glm::round((at - coarse.position(parent)) * kPlaceScale);
+      out[i] = domain.moved(places[parent],
+                            {static_cast<std::int32_t>(way.x), static_cast<std::int32_t>(way.y)});
+    }
+  });
+  return out;
+}
+
+void snapToTexels(const PlaceDomain& domain, std::vector<Place>& places) {
+  constexpr std::int32_t kHalf = 1 << (kPlaceBits - 1);
+  const auto centre = [](std::int32_t at) {
+    return (((at - kHalf) >> kPlaceBits) << kPlaceBits) + kHalf;
+  };
+  for (Place& place : places) place = domain.wrapped({centre(place.x), centre(place.y)});
+}
+
 std::vector<Place> synthesizeGrid(const Swatch& swatch, const CoordinateGrid& grid,
                                   const GridSynthesis& options, Monitor& monitor) {
   DAPPLE_CHECK(std::min(grid.width, grid.height), >=, 1);
@@ -110,7 +107,7 @@ std::vector<Place> synthesizeGrid(const Swatch& swatch, const CoordinateGrid& gr
       places.resize(fine.size());
       for (std::size_t i = 0; i < places.size(); ++i) places[i] = domain.random(options.seed, i, 1);
     } else {
-      places = extended(fine, coarse, domain, places, monitor);
+      places = extendedPlaces(fine, coarse, domain, places, monitor);
     }
     if (level == 0) snapToTexels(domain, places);
     const auto appearance = appearanceOf(swatch, level, false, monitor);

@@ -32,6 +32,15 @@ struct GridSites {
 // `reach` as AppearanceLevel's.
 GridSites gridSites(const CoordinateGrid& grid, int level, std::int32_t reach);
 
+// Places of `fine` from those of the level above. Throws Cancelled.
+std::vector<Place> extendedPlaces(const GridSites& fine, const GridSites& coarse,
+                                  const PlaceDomain& domain, const std::vector<Place>& places,
+                                  Monitor& monitor);
+
+// To centres of texels: sites of level 0 are a pixel apart, so that pieces show texels, and no
+// mixtures of them.
+void snapToTexels(const PlaceDomain& domain, std::vector<Place>& places);
+
 struct GridSynthesis {
   int quality = 4;  // passes over the finest level
   std::uint64_t seed = 1;

@@ -1,7 +1,8 @@
 // Repeats a swatch that tiles over a surface without a seam: by a phase field, and where that is
 // stretched too much, by coordinate synthesis (methods: section 9, item 10). Where most is
 // stretched, as on a surface that hardly holds the swatch twice, there is nothing to repeat, and
-// all of it is. Of a swatch that does not tile a larger one that does is synthesized first.
+// all of it is. Of a swatch that does not tile the part that comes nearest to it is closed to one
+// that does.
 #pragma once
 
 #include "base/monitor.h"
@@ -11,7 +12,7 @@
 namespace dapple {
 
 struct TilingOptions {
-  float stretch = 0.25f;  // pixels per pixel: points that are off by more are synthesized
+  float stretch = 0.18f;  // pixels per pixel: points that are off by more are synthesized
   int starts = 3;         // of the phase field, of which the smoothest is taken
   std::uint64_t seed = 1;
 };
