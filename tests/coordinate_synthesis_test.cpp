@@ -190,22 +190,6 @@ TEST_CASE("ways there and back are the same, and quarters are counted") {
   }
 }
 
-TEST_CASE("ways found many at a time are those found one by one") {
-  const Scan scan(makeSphere(500, 1));
-  const Swatch swatch = swatchOf(noise(40));
-  const SiteWays ways(scan.input(swatch, 0.03f));
-  std::vector<Index> from, to;
-  for (Index i = 0; i < 500; ++i) {
-    from.push_back(i), to.push_back(i);  // to itself
-    for (const Index j : scan.neighborhoods.of(i)) from.push_back(i), to.push_back(j);
-  }
-  from.resize(from.size() - 3), to.resize(to.size() - 3);  // the last are no whole row
-  std::vector<vec2> pixels(to.size());
-  ways.pixelsBetween(from, to, pixels);
-  for (std::size_t w = 0; w < to.size(); ++w)
-    REQUIRE(pixels[w] == (from[w] == to[w] ? vec2(0) : ways.between(from[w], to[w]).pixels));
-}
-
 TEST_CASE("on a torus a tileable swatch that is laid on it stays as it is") {
   Workers workers(2);
   Monitor monitor(workers);

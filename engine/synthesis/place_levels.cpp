@@ -9,7 +9,7 @@
 namespace dapple {
 namespace {
 
-constexpr std::size_t kRun = 512;  // sites that are extended at once
+constexpr std::size_t kRun = 512;  // points that are visited at once
 
 }  // namespace
 
@@ -25,22 +25,17 @@ PlaceLevels::PlaceLevels(const SynthesisInput& input, std::span<const SurfaceLev
   if (!task_.open.empty()) DAPPLE_CHECK(task_.open.size(), ==, input.points.size());
 }
 
-// Places of level l, of a run of sites from `first` on, from those of the next one.
+// Places of level l, from site `first` on, from those of the next one.
 void PlaceLevels::extend(std::size_t l, const std::vector<Place>& coarse, std::size_t first,
                          std::span<Place> out) const {
   const SurfaceLevel &fine = surface_[l], &above = surface_[l + 1];
-  std::array<Index, kRun> from, to;
-  std::array<vec2, kRun> ways;
   for (std::size_t s = 0; s < out.size(); ++s) {
-    to[s] = pointAt(fine, first + s);
-    from[s] = pointAt(above, fine.parent[first + s]);
-  }
-  const std::size_t n = out.size();
-  ways_.pixelsBetween({from.data(), n}, {to.data(), n}, {ways.data(), n});
-  for (std::size_t s = 0; s < n; ++s) {
-    const bool stays = !isOpen(to[s]) || (!isOpen(from[s]) && !task_.guessed);
-    out[s] = stays ? task_.start[to[s]]
-                   : domain_.moved(coarse[fine.parent[first + s]], placeOf(ways[s]));
+    const Index parent = fine.parent[first + s];
+    const Index to = pointAt(fine, first + s), from = pointAt(above, parent);
+    out[s] = task_.start[to];
+    if (!isOpen(to) || (!isOpen(from) && !task_.guessed)) continue;
+    const vec2 way = from == to ? vec2(0) : ways_.between(from, to).pixels;
+    out[s] = domain_.moved(coarse[parent], placeOf(way));
   }
 }
 
@@ -48,8 +43,7 @@ std::vector<Place> PlaceLevels::extended(std::size_t l, const std::vector<Place>
                                          Monitor& monitor) const {
   std::vector<Place> out(surface_[l].parent.size());
   forChunks(monitor, out.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t first = begin; first < end; first += kRun)
-      extend(l, coarse, first, std::span(out).subspan(first, std::min(kRun, end - first)));
+    extend(l, coarse, begin, std::span(out).subspan(begin, end - begin));
   });
   return out;
 }

@@ -152,50 +152,23 @@ struct alignas(64) NearFrames {
   }
 };
 
-// Where offsets begin: of all columns the same site,
-struct OwnFrame {
-  const TangentFrame& frame;
-  float size;  // of a pixel there
-
-  vec3 s(std::size_t) const { return frame.s; }
-  vec3 t(std::size_t) const { return frame.t; }
-  float unit(std::size_t) const { return size; }
-};
-
-// or of each another one.
-template <std::size_t N>
-struct alignas(64) OwnFrames {
-  float sX[N], sY[N], sZ[N];
-  float tX[N], tY[N], tZ[N];
-  float size[N];
-
-  void set(std::size_t a, const TangentFrame& frame, float pixel) {
-    sX[a] = frame.s.x, sY[a] = frame.s.y, sZ[a] = frame.s.z;
-    tX[a] = frame.t.x, tY[a] = frame.t.y, tZ[a] = frame.t.z;
-    size[a] = pixel;
-  }
-  vec3 s(std::size_t a) const { return {sX[a], sY[a], sZ[a]}; }
-  vec3 t(std::size_t a) const { return {tX[a], tY[a], tZ[a]}; }
-  float unit(std::size_t a) const { return size[a]; }
-};
-
 // The offsets of all neighbours at once; lanes beyond the last one hold anything.
-template <std::size_t N, class Own>
-[[gnu::always_inline]] inline void findOffsets(NearFrames<N>& near, const Own& own) {
+template <std::size_t N>
+[[gnu::always_inline]] inline void findOffsets(NearFrames<N>& near, const TangentFrame& own,
+                                               float unit) {
   for (std::size_t a = 0; a < N; ++a) {
-    const vec3 ownS = own.s(a), ownT = own.t(a);
     const float vx = near.wayX[a], vy = near.wayY[a], vz = near.wayZ[a];
     // (cos, sin) of the angle from own axes to the neighbour's, carried from its plane to the own
     // one by the least rotation, times 1 + facing.
-    const float c = ownS.x * near.sX[a] + ownS.y * near.sY[a] + ownS.z * near.sZ[a] +
-                    ownT.x * near.tX[a] + ownT.y * near.tY[a] + ownT.z * near.tZ[a];
-    const float s = ownT.x * near.sX[a] + ownT.y * near.sY[a] + ownT.z * near.sZ[a] -
-                    (ownS.x * near.tX[a] + ownS.y * near.tY[a] + ownS.z * near.tZ[a]);
+    const float c = own.s.x * near.sX[a] + own.s.y * near.sY[a] + own.s.z * near.sZ[a] +
+                    own.t.x * near.tX[a] + own.t.y * near.tY[a] + own.t.z * near.tZ[a];
+    const float s = own.t.x * near.sX[a] + own.t.y * near.sY[a] + own.t.z * near.sZ[a] -
+                    (own.s.x * near.tX[a] + own.s.y * near.tY[a] + own.s.z * near.tZ[a]);
     const float absC = std::abs(c), absS = std::abs(s);
     const std::int32_t along = c < 0 ? 2 : 0, across = s > 0 ? 1 : 3;
     const std::int32_t quarters = absC >= absS ? along : across;
-    const float hereX = vx * ownS.x + vy * ownS.y + vz * ownS.z;
-    const float hereY = vx * ownT.x + vy * ownT.y + vz * ownT.z;
+    const float hereX = vx * own.s.x + vy * own.s.y + vz * own.s.z;
+    const float hereY = vx * own.t.x + vy * own.t.y + vz * own.t.z;
     const float theirX = vx * near.sX[a] + vy * near.sY[a] + vz * near.sZ[a];
     const float theirY = vx * near.tX[a] + vy * near.tY[a] + vz * near.tZ[a];
     const float onceX = quarters & 1 ? -theirY : theirX, onceY = quarters & 1 ? theirX : theirY;
@@ -207,30 +180,12 @@ template <std::size_t N, class Own>
     const float tiny = std::numeric_limits<float>::min();
     const float hereScale = 1 / std::sqrt(std::max(here2, tiny));
     const float thereScale = 1 / std::sqrt(std::max(there2, tiny));
-    const float scale = std::sqrt(length2) / (own.unit(a) + near.unit[a]);
+    const float scale = std::sqrt(length2) / (unit + near.unit[a]);
     near.pixelsX[a] = (hereX * hereScale + thereX * thereScale) * scale;
     near.pixelsY[a] = -(hereY * hereScale + thereY * thereScale) * scale;  // image rows run down
     near.quarters[a] = quarters;
     const bool grazes = !(std::min(here2, there2) > least), twin = !(length2 > 0);
     near.seen[a] = (near.facing[a] > 0) & (!grazes | twin);
-  }
-}
-
-// The pixels of the offsets from[a] -> to[a].
-DAPPLE_CLONES void findPixels(const SynthesisInput& input, std::span<const Index> from,
-                              std::span<const Index> to, vec2* pixels) {
-  NearFrames<kMostNear> near{};
-  OwnFrames<kMostNear> own{};
-  for (std::size_t first = 0; first < to.size(); first += kMostNear) {
-    const std::size_t count = std::min(kMostNear, to.size() - first);
-    near.count = 0;
-    for (std::size_t a = 0; a < count; ++a) {
-      const Index site = from[first + a];
-      own.set(a, input.frames[site], input.unitAt(site));
-      near.add(input, site, to[first + a]);
-    }
-    findOffsets(near, own);
-    for (std::size_t a = 0; a < count; ++a) pixels[first + a] = {near.pixelsX[a], near.pixelsY[a]};
   }
 }
 
@@ -261,7 +216,7 @@ DAPPLE_CLONES bool writeWays(const SiteRows& rows, std::size_t begin, std::size_
     near.count = 0;
     for (std::size_t a = 0; a < rows.k; ++a)
       near.add(rows.input, point, pointAt(rows.surface, row[a]));
-    findOffsets(near, OwnFrame{rows.input.frames[point], rows.input.unitAt(point)});
+    findOffsets(near, rows.input.frames[point], rows.input.unitAt(point));
     for (std::size_t a = 0; a < rows.k; ++a) {
       turned |= near.seen[a] != 0 && near.quarters[a] != 0;
       ways[a] = near.seen[a] != 0 ? rows.toWay({near.pixelsX[a], near.pixelsY[a]}, near.quarters[a])
@@ -301,15 +256,8 @@ std::vector<SurfaceLevel> thinSurface(const SynthesisInput& input, int levels, M
 SiteWays::Offset SiteWays::between(Index from, Index to) const {
   NearFrames<1> near{};
   near.add(in_, from, to);
-  findOffsets(near, OwnFrame{in_.frames[from], in_.unitAt(from)});
+  findOffsets(near, in_.frames[from], in_.unitAt(from));
   return near.offset(0);
-}
-
-void SiteWays::pixelsBetween(std::span<const Index> from, std::span<const Index> to,
-                             std::span<vec2> pixels) const {
-  DAPPLE_CHECK(from.size(), ==, to.size());
-  DAPPLE_CHECK(pixels.size(), ==, to.size());
-  findPixels(in_, from, to, pixels.data());
 }
 
 SiteLevel SiteWays::sitesOf(const SurfaceLevel& surface, std::int32_t reach,

@@ -44,9 +44,6 @@ class SiteWays {
   };
   // The mean of what both points see, turned back by whole quarters.
   Offset between(Index from, Index to) const;
-  // Offset::pixels of many at once (n each).
-  void pixelsBetween(std::span<const Index> from, std::span<const Index> to,
-                     std::span<vec2> pixels) const;
 
   // What a level of at least 0 is synthesized on. Sites of points that are not `open` (n, empty:
   // all are) are frozen and have no ways; frozen are those as well that lie much further apart than
