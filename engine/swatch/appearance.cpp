@@ -297,6 +297,8 @@ PlaceDomain::PlaceDomain(const Swatch& swatch)
 Place PlaceDomain::moved(Place from, Place way) const {
   if (tileable()) {
     const auto folded = [](std::int32_t value, std::int32_t size) {
+      // Most ways are short, and dividing takes long.
+      if (static_cast<std::uint32_t>(value) < static_cast<std::uint32_t>(size)) return value;
       value %= size;
       return value < 0 ? value + size : value;
     };

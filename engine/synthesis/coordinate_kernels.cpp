@@ -39,6 +39,11 @@ struct alignas(64) NearColumns {
   std::size_t count;
 };
 
+// Of a site whose axes are turned by so many quarters, as a neighbour sees it.
+Appearance lookOf(const PlaceUpdate& u, Index site, int quarters) {
+  return u.appearance.turned(u.appearance.indexOf(u.places[site]), quarters);
+}
+
 [[gnu::always_inline]] inline void gather(const PlaceUpdate& u, Index site, NearColumns& near) {
   const SiteLevel& sites = u.sites;
   const Index* ids = sites.ids.data() + site * sites.stride;
@@ -57,7 +62,7 @@ struct alignas(64) NearColumns {
     if (const int quarters = quartersOf(way); quarters != 0) [[unlikely]] {
       near.open[count] = near.predicts[count] = 0;
       near.placeX[count] = own.x, near.placeY[count] = own.y;
-      near.look[count] = u.appearance.turned(u.appearance.indexOf(place), quarters);
+      near.look[count] = lookOf(u, j, quarters);
     }
     ++count;
   }
@@ -207,6 +212,27 @@ template <bool kPortable>
   return best;
 }
 
+// Per term, of the place that a site has. Each neighbour counts as soon as it is seen: where one
+// place alone is compared, columns would only be written to be read once.
+[[gnu::always_inline]] inline float meanDifference(const PlaceUpdate& u, Index site) {
+  const SiteLevel& sites = u.sites;
+  const Index* ids = sites.ids.data() + site * sites.stride;
+  const Way* ways = sites.ways.data() + site * sites.k;
+  const Place own = u.places[site];
+  std::int32_t sum = 0, terms = 0;
+  for (std::size_t a = 0; a < sites.k; ++a) {
+    const Way way = ways[a];
+    if (way.x == kNoWay) continue;
+    const Place offset = placesOf(way, sites.level);
+    const Appearance& there = u.appearance.at({own.x + offset.x, own.y + offset.y});
+    const int quarters = quartersOf(way);
+    sum += quarters == 0 ? appearanceDistance(there, u.looks[ids[a]])
+                         : appearanceDistance(there, lookOf(u, ids[a], quarters));
+    ++terms;
+  }
+  return static_cast<float>(sum) / static_cast<float>(std::max(1, terms));
+}
+
 void prefetchRow(const SiteLevel& sites, Index site) {
   __builtin_prefetch(sites.ids.data() + site * sites.stride);
   __builtin_prefetch(sites.ways.data() + site * sites.k);
@@ -232,15 +258,10 @@ void choosePlaces(const PlaceUpdate& update, std::span<const Index> members, Pla
 }
 
 DAPPLE_CLONES void placeErrors(const PlaceUpdate& update, Index first, std::span<float> errors) {
-  NearColumns near;
   for (std::size_t e = 0; e < errors.size(); ++e) {
     const Index site = first + static_cast<Index>(e);
     prefetchRow(update.sites, first + static_cast<Index>(std::min(e + kAhead, errors.size() - 1)));
-    gather(update, site, near);
-    const std::size_t terms = std::max<std::size_t>(1, near.count);
-    errors[e] = static_cast<float>(
-                    differences<false>(update.appearance, near, update.places[site], kWorst)) /
-                static_cast<float>(terms);
+    errors[e] = meanDifference(update, site);
   }
 }
 

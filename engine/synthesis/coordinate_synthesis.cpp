@@ -95,18 +95,40 @@ class Synthesizer {
   }
 
   void preview(const PlaceLevels& levels, int level) {
-    const std::vector<Place> places = levels.placesOfAll(monitor_);
-    std::vector<vec3> colours(places.size());
-    parallelFor(monitor_, places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        colours[i] =
-            sampleSwatch(in_.swatch, texelOf(places[i]), static_cast<float>(std::max(0, level)));
-    });
-    const std::vector<PointState> states(places.size(), PointState::Matched);
-    monitor_.publish({colours, states});
+    shown_.resize(in_.points.size());
+    shownStates_.resize(in_.points.size(), PointState::Matched);
+    const auto read = static_cast<float>(std::max(0, level));
+    const auto show = [&](std::size_t first, std::span<const Place> places) {
+      for (std::size_t i = 0; i < places.size(); ++i)
+        shown_[first + i] = sampleSwatch(in_.swatch, texelOf(places[i]), read);
+    };
+    levels.visitAll(show, monitor_);
+    monitor_.publish({shown_, shownStates_});
   }
 
-  void write(const std::vector<Place>& places, const std::vector<float>& errors) {
+  // The other columns. Memory is touched once where nothing is kept: it takes as long as to find
+  // what goes there.
+  void writeRest(std::vector<float>& errors) {
+    const std::size_t n = in_.points.size();
+    if (!in_.kept) {
+      map_.error = std::move(errors);
+      map_.frame.assign(in_.frames.begin(), in_.frames.end());
+      map_.state.assign(n, PointState::Matched);
+      map_.patch.assign(n, kNone), map_.order.assign(n, kNone);
+      return;
+    }
+    map_.error.resize(n), map_.frame.resize(n), map_.state.resize(n);
+    map_.patch.resize(n), map_.order.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (in_.isKept(i)) continue;
+      map_.error[i] = errors[i];
+      map_.frame[i] = in_.frames[i];
+      map_.state[i] = PointState::Matched;
+      map_.patch[i] = map_.order[i] = kNone;
+    }
+  }
+
+  void write(const std::vector<Place>& places, std::vector<float>& errors) {
     const std::size_t n = in_.points.size();
     std::vector<vec2> texel = map_.texel;
     std::vector<vec3> colour = map_.colour;
@@ -120,15 +142,7 @@ class Synthesizer {
     });
     map_.texel = std::move(texel);
     map_.colour = std::move(colour);
-    map_.error.resize(n), map_.frame.resize(n), map_.state.resize(n);
-    map_.patch.resize(n), map_.order.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (in_.isKept(i)) continue;
-      map_.error[i] = errors[i];
-      map_.frame[i] = in_.frames[i];
-      map_.state[i] = PointState::Matched;
-      map_.patch[i] = map_.order[i] = kNone;
-    }
+    writeRest(errors);
     for (std::size_t l = surface_.size(); l-- > 0;)
       for (std::size_t i = 0; i < sizeOf(l); ++i) {
         Index& order = map_.order[pointAt(surface_[l], i)];
@@ -141,6 +155,8 @@ class Synthesizer {
   SourceMap& map_;
   Monitor& monitor_;
   std::vector<SurfaceLevel> surface_;
+  std::vector<vec3> shown_;  // by previews; kept from one to the next
+  std::vector<PointState> shownStates_;
   std::size_t work_ = 0, done_ = 0, reported_ = 0;
 };
 

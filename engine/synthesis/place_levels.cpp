@@ -1,9 +1,17 @@
 #include "synthesis/place_levels.h"
 
+#include <algorithm>
+#include <array>
+
 #include "base/errors.h"
 #include "synthesis/coordinate_relaxation.h"
 
 namespace dapple {
+namespace {
+
+constexpr std::size_t kRun = 512;  // points that are visited at once
+
+}  // namespace
 
 PlaceLevels::PlaceLevels(const SynthesisInput& input, std::span<const SurfaceLevel> surface,
                          PlaceTask task)
@@ -17,20 +25,25 @@ PlaceLevels::PlaceLevels(const SynthesisInput& input, std::span<const SurfaceLev
   if (!task_.open.empty()) DAPPLE_CHECK(task_.open.size(), ==, input.points.size());
 }
 
-// Places of level l from those of the next one.
+// Places of level l, from site `first` on, from those of the next one.
+void PlaceLevels::extend(std::size_t l, const std::vector<Place>& coarse, std::size_t first,
+                         std::span<Place> out) const {
+  const SurfaceLevel &fine = surface_[l], &above = surface_[l + 1];
+  for (std::size_t s = 0; s < out.size(); ++s) {
+    const Index parent = fine.parent[first + s];
+    const Index to = pointAt(fine, first + s), from = pointAt(above, parent);
+    out[s] = task_.start[to];
+    if (!isOpen(to) || (!isOpen(from) && !task_.guessed)) continue;
+    const vec2 way = from == to ? vec2(0) : ways_.between(from, to).pixels;
+    out[s] = domain_.moved(coarse[parent], placeOf(way));
+  }
+}
+
 std::vector<Place> PlaceLevels::extended(std::size_t l, const std::vector<Place>& coarse,
                                          Monitor& monitor) const {
-  const SurfaceLevel &fine = surface_[l], &above = surface_[l + 1];
-  std::vector<Place> out(fine.parent.size());
+  std::vector<Place> out(surface_[l].parent.size());
   forChunks(monitor, out.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const Index parent = fine.parent[s];
-      const Index to = pointAt(fine, s), from = pointAt(above, parent);
-      out[s] = task_.start[to];
-      if (!isOpen(to) || (!isOpen(from) && !task_.guessed)) continue;
-      const vec2 way = from == to ? vec2(0) : ways_.between(from, to).pixels;
-      out[s] = domain_.moved(coarse[parent], placeOf(way));
-    }
+    extend(l, coarse, begin, std::span(out).subspan(begin, end - begin));
   });
   return out;
 }
@@ -63,10 +76,21 @@ void PlaceLevels::relax(int passes, const std::function<void()>& afterClass,
   if (errors) *errors = relaxation.errors(monitor);
 }
 
-std::vector<Place> PlaceLevels::placesOfAll(Monitor& monitor) const {
-  std::vector<Place> places = places_;
-  for (std::size_t l = level_; l-- > 0;) places = extended(l, places, monitor);
-  return places;
+void PlaceLevels::visitAll(const Visit& visit, Monitor& monitor) const {
+  // The last step of the way down is made a run at a time: all points' places are not kept.
+  std::vector<Place> coarse;
+  for (std::size_t l = level_; l-- > 1;)
+    coarse = extended(l, l + 1 == level_ ? places_ : coarse, monitor);
+  const std::vector<Place>& above = level_ > 1 ? coarse : places_;
+  forChunks(monitor, input_.points.size(), [&](std::size_t begin, std::size_t end) {
+    if (level_ == 0) return visit(begin, std::span(places_).subspan(begin, end - begin));
+    for (std::size_t first = begin; first < end; first += kRun) {
+      std::array<Place, kRun> run;
+      const std::span<Place> places(run.data(), std::min(kRun, end - first));
+      extend(0, above, first, places);
+      visit(first, places);
+    }
+  });
 }
 
 }  // namespace dapple

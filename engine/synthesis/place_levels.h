@@ -34,11 +34,15 @@ class PlaceLevels {
 
   // Of the sites of the level entered last.
   const std::vector<Place>& places() const { return places_; }
-  // Every point as its ancestor on the level entered last has it (n).
-  std::vector<Place> placesOfAll(Monitor& monitor) const;
+  // Calls visit(first, places) for runs of points that follow `first`, on all threads: each as its
+  // ancestor on the level entered last has it.
+  using Visit = std::function<void(std::size_t first, std::span<const Place> places)>;
+  void visitAll(const Visit& visit, Monitor& monitor) const;
 
  private:
   bool isOpen(Index point) const { return task_.open.empty() || task_.open[point]; }
+  void extend(std::size_t l, const std::vector<Place>& coarse, std::size_t first,
+              std::span<Place> out) const;
   std::vector<Place> extended(std::size_t l, const std::vector<Place>& coarse,
                               Monitor& monitor) const;
 

@@ -172,7 +172,7 @@ class SeamRepair {
     for (std::size_t l = surface.size(); l-- > 0;) {
       levels.enter(l, monitor_);
       const auto show = [&] {
-        if (monitor_.wantsPreview()) preview(levels.placesOfAll(monitor_));
+        if (monitor_.wantsPreview()) preview(levels);
       };
       if (surface[l].level >= 0)
         levels.relax(passesOver(surface[l].level, false, options_.passes), show, nullptr, monitor_);
@@ -188,12 +188,13 @@ class SeamRepair {
     carryPatches();
   }
 
-  void preview(const std::vector<Place>& places) {
+  void preview(const PlaceLevels& levels) {
     std::vector<vec3> colours = map_.colour;
-    parallelFor(monitor_, places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (open_[i]) colours[i] = colourOf(i, texelOf(places[i]));
-    });
+    const auto show = [&](std::size_t first, std::span<const Place> places) {
+      for (std::size_t r = 0; r < places.size(); ++r)
+        if (const std::size_t i = first + r; open_[i]) colours[i] = colourOf(i, texelOf(places[r]));
+    };
+    levels.visitAll(show, monitor_);
     monitor_.publish({colours, map_.state});
   }
 
