@@ -274,12 +274,13 @@ TEST_CASE("cleared and stopped regions give nothing to borders") {
   const Document made = applied(two, BlendBorders{});
   REQUIRE(two.results.border);
   CHECK(two.results.border->points == made.results.border->points);
-  float worst = 0;
+  // Where all three met, weights were found with the third one and are not found anew.
+  std::size_t apart = 0;
   for (Index i = 0; i < two.size(); ++i) {
     const vec3 by = glm::abs((*two.results.colour)[i] - (*made.results.colour)[i]);
-    worst = std::max({worst, by.x, by.y, by.z});
+    apart += std::max({by.x, by.y, by.z}) > 0.02f;
   }
-  CHECK(worst < 0.05f);
+  CHECK(apart <= 4);
   CHECK(!applied(d, ClearResult{}).results.border);
 }
 

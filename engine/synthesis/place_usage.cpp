@@ -16,9 +16,11 @@ namespace dapple {
 namespace {
 
 constexpr std::int32_t kMostColumns = 128;
-constexpr int kMostBlocks = 12;             // along each axis, that positions are counted by
-constexpr int kMostSplits = 4;              // of looks, in two
-constexpr std::size_t kSitesPerGroup = 16;  // at least; fewer groups say more
+constexpr int kMostBlocks = 12;  // along each axis, that positions are counted by
+constexpr int kMostSplits = 4;   // of looks, in two
+// At least; fewer groups say more. Mean F of seven swatches on 12,000 and 35,000 points, two seeds
+// each, with 16 and 6: 0.35 and 0.39, 0.60 and 0.63; of thirteen on 85,000: 0.65 and 0.67.
+constexpr std::size_t kSitesPerGroup = 6;
 // From so many sites on looks are in as many groups as they ever are.
 constexpr std::size_t kSitesOfAllLooks = ((1 << (kMostSplits - 1)) + 1) * 2 * kSitesPerGroup;
 // How much use beyond the fair share counts.
