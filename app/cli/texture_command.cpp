@@ -168,6 +168,19 @@ void checkOutputs(const TextureArguments& a) {
   if (!a.picture.empty()) checkImageName(a.picture);
 }
 
+TextureScore scoreOf(const PreparedScan& prepared, const TexturedPoints& textured,
+                     const Swatch& swatch, FieldMethod field, Monitor& monitor) {
+  return scorePoints(prepared,
+                     {.colours = textured.map.colour,
+                      .swatch = swatch,
+                      .unit = textured.map.unit,
+                      .map = &textured.map,
+                      // Against random directions there is nothing to measure.
+                      .frames = field == FieldMethod::Random ? nullptr : &textured.frames,
+                      .scale = textured.map.scale},
+                     monitor);
+}
+
 void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor& monitor) {
   TextureOptions given = common.table;
   if (a.zUp && given.up == TextureOptions{}.up) given.up = vec3(0, 0, 1);
@@ -198,16 +211,7 @@ void runTexture(const TextureArguments& a, const CommonOptions& common, Monitor&
       prepared, *comparedSwatch(made, source.maps.get(), options), strokes, options, monitor);
   std::optional<TextureScore> score;
   if (a.score || !a.report.empty())
-    score =
-        scorePoints(prepared,
-                    {.colours = textured.map.colour,
-                     .swatch = swatch,
-                     .unit = textured.map.unit,
-                     .map = &textured.map,
-                     // Against random directions there is nothing to measure.
-                     .frames = options.field == FieldMethod::Random ? nullptr : &textured.frames,
-                     .scale = textured.map.scale},
-                    monitor);
+    score = scoreOf(prepared, textured, swatch, options.field, monitor);
   const auto saving = std::chrono::steady_clock::now();
   exportTable(a.exported.path, tableOf(a, prepared, textured.map, source, monitor),
               a.exported.ascii, monitor);
