@@ -10,21 +10,24 @@
 namespace dapple {
 namespace {
 
-const ImageFormats* loadFormats() {
+// Throws IoError.
+const ImageFormats& loadFormats() {
   void* const module = ::dlopen(kImageModule, RTLD_LAZY | RTLD_LOCAL);
-  if (module == nullptr) return nullptr;
-  const auto entry = reinterpret_cast<ImageModuleEntry*>(::dlsym(module, kImageModuleEntry));
-  return entry ? entry() : nullptr;
+  const auto entry = module == nullptr
+                         ? nullptr
+                         : reinterpret_cast<ImageModuleEntry*>(::dlsym(module, kImageModuleEntry));
+  if (entry == nullptr)
+    throw IoError(kImageModule, "",
+                  fmt::format("this part of Dapple cannot be loaded: {}", ::dlerror()),
+                  "Install Dapple, and OpenImageIO, again.");
+  return *entry();
 }
 
 }  // namespace
 
 const ImageFormats& imageFormats() {
-  static const ImageFormats* const formats = loadFormats();
-  if (!formats)
-    throw IoError(kImageModule, "", "this part of Dapple, or OpenImageIO, is missing or damaged",
-                  "Install Dapple again.");
-  return *formats;
+  static const ImageFormats& formats = loadFormats();
+  return formats;
 }
 
 bool isImageFile(const std::filesystem::path& path) {
