@@ -139,6 +139,29 @@ TEST_CASE("a stroke at one end changes that end alone, and the pattern follows i
   }
 }
 
+// Points are a swatch pixel apart or less with scale 1, and read filtered texels with 0.3.
+TEST_CASE("after an edit all texels still give their colours, at their levels") {
+  const TestFolder folder;
+  for (const Method method : {Method::Coordinates, Method::Match}) {
+    CAPTURE(static_cast<int>(method));
+    const Document before = upright(folder, {.method = method, .neighbours = 16, .scale = 0.3});
+    REQUIRE(before.results.level);
+    const Document after = applied(withStroke(before, {54, 2}, {59, 10}), kAgain);
+    REQUIRE(after.results.level);
+    const Kept kept = keptOf(before, after, 40);
+    CHECK(kept.left > kept.leftAll * 9 / 10);
+    CHECK(kept.right < kept.rightAll);
+    const Swatch& swatch = *after.results.sources[0]->swatch;
+    float worst = 0;
+    for (Index i = 0; i < after.size(); ++i) {
+      const vec3 off = sampleSwatch(swatch, (*after.results.texel)[i], (*after.results.level)[i]) -
+                       (*after.results.colour)[i];
+      worst = std::max({worst, std::abs(off.x), std::abs(off.y), std::abs(off.z)});
+    }
+    CHECK(worst < 1e-4f);
+  }
+}
+
 TEST_CASE("statistics after an edit are those of all points") {
   const TestFolder folder;
   for (const Method method : {Method::Hybrid, Method::Patches, Method::Match}) {
