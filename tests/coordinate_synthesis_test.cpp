@@ -68,6 +68,7 @@ std::vector<Place> identity(int size) {
 }
 
 // A torus whose sites hold random places, on one level.
+enum class Beyond { Itself, Nothing, Continuation };
 struct RandomTorus {
   static constexpr int kSize = 48;
   Swatch swatch;
@@ -77,9 +78,10 @@ struct RandomTorus {
   std::vector<Place> places;
   std::vector<Appearance> looks;
 
-  RandomTorus(Tileable tileable, int level, Monitor& monitor)
-      : swatch(swatchOf(noise(40), tileable)),
-        domain(swatch),
+  RandomTorus(Beyond beyond, int level, Monitor& monitor)
+      : swatch(swatchOf(noise(40), beyond == Beyond::Itself ? Tileable::Yes : Tileable::No)),
+        domain(beyond == Beyond::Continuation ? PlaceDomain::continuing(swatch)
+                                              : PlaceDomain(swatch)),
         grid(gridSites({kSize << level, kSize << level, true}, level,
                        appearanceReach(swatch, level))),
         appearance(makeAppearance(swatch, level, true, monitor)) {
@@ -199,7 +201,7 @@ TEST_CASE("on a torus a tileable swatch that is laid on it stays as it is") {
 TEST_CASE("frozen sites keep their places") {
   Workers workers(2);
   Monitor monitor(workers);
-  RandomTorus torus(Tileable::Yes, 0, monitor);
+  RandomTorus torus(Beyond::Itself, 0, monitor);
   torus.grid.sites.frozen.assign(torus.grid.size(), 0);
   for (std::size_t i = 0; i < torus.grid.size(); i += 2) torus.grid.sites.frozen[i] = 1;
   const std::vector<Place> before = torus.places;
@@ -218,9 +220,9 @@ TEST_CASE("frozen sites keep their places") {
 TEST_CASE("kernels choose what plain code chooses") {
   Workers workers(1);
   Monitor monitor(workers);
-  for (const Tileable tileable : {Tileable::Yes, Tileable::No})
+  for (const Beyond beyond : {Beyond::Itself, Beyond::Nothing, Beyond::Continuation})
     for (const int level : {0, 1, 2}) {
-      RandomTorus torus(tileable, level, monitor);
+      RandomTorus torus(beyond, level, monitor);
       for (std::size_t w = 0; w < torus.grid.sites.ways.size(); w += 13) {
         torus.grid.sites.ways[w].x |= 1;  // some neighbours are turned
         torus.grid.sites.ways[w].y |= w % 2;
@@ -240,7 +242,7 @@ TEST_CASE("kernels choose what plain code chooses") {
                                .displacements = displacements.empty() ? nullptr : &displacements,
                                .places = torus.places.data(),
                                .looks = torus.looks.data(),
-                               .similar = tileable == Tileable::No ? &similar : nullptr,
+                               .similar = beyond == Beyond::Nothing ? &similar : nullptr,
                                .merge = 50,
                                .nearby = 2 << (kPlaceBits + level),
                                .probes = 2,

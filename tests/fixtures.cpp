@@ -172,6 +172,15 @@ Image mirrored(const Image& image) {
   return result;
 }
 
+Image cutOf(const Image& image, int x, int y, int width, int height) {
+  Image out{.width = width, .height = height, .channels = 3};
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      for (int c = 0; c < 3; ++c)
+        out.pixels.push_back(image.at((x + u) % image.width, (y + v) % image.height, c));
+  return out;
+}
+
 Swatch swatchOf(const Image& image, Tileable tileable) {
   return makeSwatch(image, tileable, 4, "fixture");
 }

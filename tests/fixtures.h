@@ -32,6 +32,8 @@ Image bricks(int size);  // courses with a dark mark in one corner of every bric
 Image stripes(int size, int period);  // vertical grey sine stripes
 Image flat(int size, vec3 colour);
 Image mirrored(const Image& image);  // left and right exchanged
+// The part of `image` repeated that begins at (x, y), both >= 0.
+Image cutOf(const Image& image, int x, int y, int width, int height);
 
 Swatch swatchOf(const Image& image, Tileable tileable = Tileable::Yes);
 

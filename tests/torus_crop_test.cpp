@@ -9,16 +9,6 @@ using namespace dapple::fixtures;
 
 namespace {
 
-// The part of `image` repeated that begins at (x, y).
-Image cutOf(const Image& image, int x, int y, int width, int height) {
-  Image out{.width = width, .height = height, .channels = 3};
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u)
-      for (int c = 0; c < 3; ++c)
-        out.pixels.push_back(image.at((x + u) % image.width, (y + v) % image.height, c));
-  return out;
-}
-
 // Root mean square difference between each pixel of column x and the next one's.
 double stepAfter(const Swatch& swatch, const TorusCrop& crop, std::span<const Place> places,
                  int x) {

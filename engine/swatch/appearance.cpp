@@ -63,6 +63,16 @@ Swatch blurredView(const Swatch& swatch, int level) {
   return view;
 }
 
+// Where of the swatch is read what lies at `texel`, which may be outside.
+vec2 readAt(const Swatch& swatch, const PlaceDomain& domain, vec2 texel) {
+  const vec2 size(swatch.width, swatch.height);
+  const bool inside = texel.x >= 0 && texel.y >= 0 && texel.x < size.x && texel.y < size.y;
+  if (swatch.tileable || inside) return texel;
+  const Place place = domain.continued(placeOf(texel));
+  if (domain.contains(place)) return texelOf(place);
+  return {mirroredCoordinate(texel.x, size.x), mirroredCoordinate(texel.y, size.y)};
+}
+
 // The swatch with a margin of samples around, blurred for the level.
 template <int Colours>
 Samples<Colours> sampleLevel(const Swatch& swatch, const AppearanceLevel& out, int perStep,
@@ -77,23 +87,23 @@ Samples<Colours> sampleLevel(const Swatch& swatch, const AppearanceLevel& out, i
                            .rows = out.rows + 2 * border};
   const float pitch = static_cast<float>(1 << out.shift) / kPlaceScale;  // pixels
   samples.colours.resize(static_cast<std::size_t>(samples.stride) * samples.rows);
-  const auto place = [&](int sample, int size) {
-    const float at = (static_cast<float>(sample - out.margin - border) + 0.5f) * pitch;
-    return swatch.tileable ? at : mirroredCoordinate(at, static_cast<float>(size));
+  const auto along = [&](int sample) {
+    return (static_cast<float>(sample - out.margin - border) + 0.5f) * pitch;
   };
-  parallelFor(
-      monitor, static_cast<std::size_t>(samples.rows), kRowGrain,
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y)
-          for (int x = 0; x < samples.stride; ++x) {
-            const vec2 at(place(x, swatch.width), place(static_cast<int>(y), swatch.height));
-            auto& sample = samples.colours[y * static_cast<std::size_t>(samples.stride) + x];
-            if constexpr (Colours == 4)
-              sample = glm::vec4(sampleSwatch(view, at), sampleSwatch(relief, at).x);
-            else
-              sample = sampleSwatch(view, at);
-          }
-      });
+  const PlaceDomain domain = PlaceDomain::continuing(swatch);
+  parallelFor(monitor, static_cast<std::size_t>(samples.rows), kRowGrain,
+              [&](std::size_t begin, std::size_t end) {
+                for (std::size_t y = begin; y < end; ++y)
+                  for (int x = 0; x < samples.stride; ++x) {
+                    const vec2 at = readAt(swatch, domain, {along(x), along(static_cast<int>(y))});
+                    auto& sample =
+                        samples.colours[y * static_cast<std::size_t>(samples.stride) + x];
+                    if constexpr (Colours == 4)
+                      sample = glm::vec4(sampleSwatch(view, at), sampleSwatch(relief, at).x);
+                    else
+                      sample = sampleSwatch(view, at);
+                  }
+              });
   return samples;
 }
 
@@ -294,6 +304,27 @@ PlaceDomain::PlaceDomain(const Swatch& swatch)
   empty_ = cells_.empty();
 }
 
+PlaceDomain PlaceDomain::continuing(const Swatch& swatch) {
+  PlaceDomain domain(swatch);
+  domain.continuation_ = *continuationOf(swatch);
+  return domain;
+}
+
+Place PlaceDomain::continued(Place place) const {
+  if (tileable()) return wrapped(place);
+  if (continuation_.none()) return place;
+  constexpr int kMostWays = 8;  // as each may lead out along the other axis
+  constexpr std::int32_t kHalf = 1 << (kPlaceBits - 1);
+  Place at = place;
+  for (int ways = 0; ways <= kMostWays; ++ways) {
+    if (contains(at)) return at;
+    const std::size_t side = at.x < kHalf ? 0 : at.x >= width_ - kHalf ? 1 : at.y < kHalf ? 2 : 3;
+    const ivec2 back = continuation_.back[side];
+    at = {at.x + (back.x << kPlaceBits), at.y + (back.y << kPlaceBits)};
+  }
+  return place;
+}
+
 Place PlaceDomain::moved(Place from, Place way) const {
   if (tileable()) {
     const auto folded = [](std::int32_t value, std::int32_t size) {
@@ -304,7 +335,8 @@ Place PlaceDomain::moved(Place from, Place way) const {
     };
     return {folded(from.x + way.x, width_), folded(from.y + way.y, height_)};
   }
-  const Place there{from.x + way.x, from.y + way.y}, back{from.x - way.x, from.y - way.y};
+  const Place there = continued({from.x + way.x, from.y + way.y});
+  const Place back{from.x - way.x, from.y - way.y};
   return contains(there) ? there : contains(back) ? back : from;
 }
 

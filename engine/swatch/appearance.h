@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/monitor.h"
+#include "swatch/continuation.h"
 #include "swatch/swatch.h"
 
 namespace dapple {
@@ -35,6 +36,8 @@ inline vec2 texelOf(Place place) {
 class PlaceDomain {
  public:
   explicit PlaceDomain(const Swatch& swatch);
+  // One that goes on beyond the sides of a swatch that does not tile (continuation.h).
+  static PlaceDomain continuing(const Swatch& swatch);
 
   std::int32_t width() const { return width_; }  // place units
   std::int32_t height() const { return height_; }
@@ -61,8 +64,13 @@ class PlaceDomain {
     return usable_[static_cast<std::size_t>(y) * columns_ + x] != 0;
   }
 
+  // Where the swatch goes on from a place outside, at most one width and height away: contained,
+  // or else unchanged.
+  Place continued(Place place) const;
+  bool continues() const { return tileable() || !continuation_.none(); }
+
   // A contained place: `from` moved by `way`, any number of swatches far when it tiles; else, when
-  // that leads out, by the opposite way, or not at all.
+  // that leads out and nothing goes on there, by the opposite way, or not at all.
   Place moved(Place from, Place way) const;
 
   // Uniform over all that are contained, hashed from (seed, id, salt).
@@ -71,6 +79,7 @@ class PlaceDomain {
  private:
   std::int32_t width_, height_, columns_ = 0, rows_ = 0;
   bool empty_ = false;
+  Continuation continuation_;         // of one that goes on
   std::vector<std::uint8_t> usable_;  // cells between four texel centres; empty: all
   std::vector<Index> cells_;          // that are usable; empty: all are
 };
@@ -109,7 +118,8 @@ struct AppearanceLevel {
 // AppearanceLevel::reach of a level.
 std::int32_t appearanceReach(const Swatch& swatch, int level);
 
-// What of a swatch that does not tile lies beyond its border is its mirror image. Throws Cancelled.
+// What of a swatch that does not tile lies beyond its sides is where it goes on, or else its mirror
+// image. Throws Cancelled.
 AppearanceLevel makeAppearance(const Swatch& swatch, int level, bool turned, Monitor& monitor);
 // The same, kept with the swatch.
 std::shared_ptr<const AppearanceLevel> appearanceOf(const Swatch& swatch, int level, bool turned,

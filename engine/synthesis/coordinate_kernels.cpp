@@ -187,9 +187,13 @@ template <bool kPortable>
     if (near.open[a] == 0) continue;
     Place place{near.placeX[a], near.placeY[a]};
     if (!u.domain.contains(place)) [[unlikely]] {
-      if (u.similar == nullptr || ++others > kMostOthers) continue;
-      const Place from = u.similar->of({place.x + near.wayX[a], place.y + near.wayY[a]});
-      place = {from.x - near.wayX[a], from.y - near.wayY[a]};
+      if (u.similar != nullptr) {
+        if (++others > kMostOthers) continue;
+        const Place from = u.similar->of({place.x + near.wayX[a], place.y + near.wayY[a]});
+        place = {from.x - near.wayX[a], from.y - near.wayY[a]};
+      } else {
+        place = u.domain.continued(place);
+      }
       if (u.domain.contains(place)) attempt(place);
       continue;
     }
@@ -207,7 +211,7 @@ template <bool kPortable>
           kAroundFactor);
   }
   if (u.nearby == 0) return best;
-  const Place mean = u.domain.wrapped(meanAround(near, best, u.nearby));
+  const Place mean = u.domain.continued(meanAround(near, best, u.nearby));
   if (u.domain.contains(mean)) attempt(mean);
   return best;
 }

@@ -17,7 +17,7 @@ struct PlaceUpdate {
   const DisplacementUsage* displacements;  // null: they do not count
   const Place* places;                     // n
   const Appearance* looks;                 // n: appearance.at(places)
-  // Where to go on from where a prediction leads out of the swatch; null: nowhere.
+  // Where to go on from where a prediction leads out of a domain that does not; null: nowhere.
   const SimilarPlaces* similar;
   std::int32_t merge;   // predictions nearer than this are one, place units
   std::int32_t nearby;  // the mean of those nearer than this is tried, too; 0: none is

@@ -56,7 +56,7 @@ PlaceRelaxation::PlaceRelaxation(const SiteLevel& sites, const AppearanceLevel& 
       displacements_(sites, domain) {
   DAPPLE_CHECK(sites.k, <=, kMostNear);
   DAPPLE_CHECK(places.size(), ==, sites.size);
-  if (!domain.tileable()) similar_ = similarPlacesOf(appearance, domain, monitor);
+  if (!domain.continues()) similar_ = similarPlacesOf(appearance, domain, monitor);
   std::vector<Index> free;
   free.reserve(sites.size);
   for (std::size_t i = 0; i < sites.size; ++i)

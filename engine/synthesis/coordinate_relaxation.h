@@ -39,7 +39,7 @@ class PlaceRelaxation {
   const PlaceDomain& domain_;
   std::vector<Place>& places_;
   std::vector<Appearance> looks_;
-  std::shared_ptr<const SimilarPlaces> similar_;  // null: the swatch tiles
+  std::shared_ptr<const SimilarPlaces> similar_;  // null: the domain goes on
   ClassOrder order_;
   PlaceUsage usage_;
   DisplacementUsage displacements_;

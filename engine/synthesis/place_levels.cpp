@@ -18,7 +18,7 @@ PlaceLevels::PlaceLevels(const SynthesisInput& input, std::span<const SurfaceLev
     : input_(input),
       surface_(surface),
       task_(std::move(task)),
-      domain_(input.swatch),
+      domain_(PlaceDomain::continuing(input.swatch)),
       ways_(input),
       level_(surface.size()) {
   DAPPLE_CHECK(task_.start.size(), ==, input.points.size());
