@@ -78,7 +78,7 @@ std::vector<Place> closedTorus(const Swatch& swatch, const TorusCrop& crop, int 
                                Monitor& monitor) {
   DAPPLE_CHECK(crop.x + crop.width, <=, swatch.width);
   DAPPLE_CHECK(crop.y + crop.height, <=, swatch.height);
-  const PlaceDomain domain(swatch);
+  const PlaceDomain domain = PlaceDomain::continuing(swatch);
   const CoordinateGrid grid{crop.width, crop.height, true};
   std::vector<Place> places;
   GridSites coarse;
