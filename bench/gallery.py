@@ -2,7 +2,8 @@
 """Textures scans from swatches by every method, and writes a page that shows the pictures side by side
 with their scores and times.
 
-    bench/gallery.py OUT_FOLDER [--scans FILE...] [--swatches FILE...] [--methods NAME...] [--points N]
+    bench/gallery.py OUT_FOLDER [--scans FILE...] [--z-up FILE...] [--swatches FILE...]
+                     [--methods NAME...] [--points N]
 
 What is in OUT_FOLDER already is not made again, so that a gallery can be stopped and gone on with;
 delete a folder of it to have its pictures made anew. Open OUT_FOLDER/index.html.
@@ -33,6 +34,8 @@ def arguments():
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/dapple")
     parser.add_argument("--scans", type=pathlib.Path, nargs="+",
                         default=[ROOT / "assets/scans/creature.ply"])
+    parser.add_argument("--z-up", type=pathlib.Path, nargs="+", default=[],
+                        help="more scans, whose z axis points up")
     parser.add_argument("--swatches", type=pathlib.Path, nargs="+",
                         default=sorted((ROOT / "assets/swatches").glob("*.png")))
     parser.add_argument("--methods", nargs="+", default=METHODS)
@@ -50,6 +53,8 @@ def texture(given, scan, swatch, method):
         command = [given.program, "texture", scan, "--swatch", swatch, "--method", method,
                    "-o", base.with_suffix(".ply"), "--picture", base.with_suffix(".png"),
                    "--report", report, "--quiet", *given.option]
+        if scan in given.z_up:
+            command.append("--z-up")
         if given.points and scan.suffix in (".ply", ".obj"):
             command += ["--samples", str(given.points)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -113,6 +118,7 @@ def main():
     given = arguments()
     if not given.program.exists():
         sys.exit(f"{given.program} is not there: build it first, or name it with --program")
+    given.scans += given.z_up
     reports = {}
     todo = [(scan, swatch, method) for scan in given.scans for swatch in given.swatches
             for method in given.methods]

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace dapple {
@@ -22,7 +23,7 @@ constexpr float kMostAside = 0.1f;    // of the other side, either way
 
 struct Picture {
   int width, height;
-  std::vector<vec3> colours;
+  std::span<const vec3> colours;
 
   const vec3& at(ivec2 pixel) const {
     return colours[static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(width) +
@@ -35,22 +36,15 @@ struct Range {
 };
 
 // Means over squares of `factor` pixels; what is left over at the far sides counts for nothing.
-Picture reduced(const Swatch& swatch, int factor) {
-  Picture out{swatch.width / factor, swatch.height / factor, {}};
-  if (factor == 1) {
-    out.colours = swatch.colours();
-    return out;
-  }
-  out.colours.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height),
-                     vec3(0));
-  for (int y = 0; y < out.height * factor; ++y)
-    for (int x = 0; x < out.width * factor; ++x)
-      out.colours[static_cast<std::size_t>(y / factor) * static_cast<std::size_t>(out.width) +
-                  static_cast<std::size_t>(x / factor)] +=
-          swatch.colours()[static_cast<std::size_t>(y) * static_cast<std::size_t>(swatch.width) +
-                           static_cast<std::size_t>(x)];
+std::vector<vec3> reduced(const Picture& picture, int factor) {
+  const int width = picture.width / factor, height = picture.height / factor;
+  std::vector<vec3> out(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                        vec3(0));
   const float share = 1 / static_cast<float>(factor * factor);
-  for (vec3& colour : out.colours) colour *= share;
+  for (int y = 0; y < height * factor; ++y)
+    for (int x = 0; x < width * factor; ++x)
+      out[static_cast<std::size_t>(y / factor) * static_cast<std::size_t>(width) +
+          static_cast<std::size_t>(x / factor)] += share * picture.at({x, y});
   return out;
 }
 
@@ -131,7 +125,11 @@ Continuation findContinuation(const Swatch& swatch) {
   // As small as can be searched throughout, but no side too short for rims.
   const int factor = std::clamp((std::max(swatch.width, swatch.height) + kLongest - 1) / kLongest,
                                 1, std::min(swatch.width, swatch.height) / kLeastSide);
-  const Picture whole = reduced(swatch, 1), small = reduced(swatch, factor);
+  const Picture whole{swatch.width, swatch.height, swatch.colours()};
+  std::vector<vec3> means;
+  if (factor > 1) means = reduced(whole, factor);
+  const Picture small =
+      factor > 1 ? Picture{swatch.width / factor, swatch.height / factor, means} : whole;
   for (std::size_t side = 0; side < out.back.size(); ++side) {
     const Rim coarse(small, side), fine(whole, side);
     ivec2 found = coarse.best(inwardOf(coarse), asideOf(coarse));
