@@ -91,6 +91,9 @@ void snapToTexels(const PlaceDomain& domain, std::vector<Place>& places) {
 std::vector<Place> synthesizeGrid(const Swatch& swatch, const CoordinateGrid& grid,
                                   const GridSynthesis& options, Monitor& monitor) {
   DAPPLE_CHECK(std::min(grid.width, grid.height), >=, 1);
+  // One that does not go on beyond the swatch's sides: on a plane the same way, taken again and
+  // again, shows as a repeat. Of 11 samples 9 are as good as other programs' (dapple_plane_bench),
+  // 5 with one that does.
   const PlaceDomain domain(swatch);
   if (domain.empty())
     throw InvalidInput(
