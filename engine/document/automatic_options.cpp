@@ -4,13 +4,13 @@
 // Method. With 85 000 points, of the 9 swatches in which a turn shows: coordinates .69 / .67,
 // tiling .70 / .67 (on the armadillo both .59 / .54), patches that follow directions .62 / .58,
 // with --symmetry 180 .67 / .57, that do not follow them .68 / .26. Of the 13 others patches that
-// do not follow have .72, with --symmetry 180 .69, coordinates .69, tiling .69. With 12 000 and 35
-// 000 points, two seeds, those of the 9 of which the surface is 7 to 16 features wide have .56 /
-// .51 with coordinates, with patches and --symmetry 180, which may stand on their heads, .56 / .48;
-// where it is 5 to 7 wide, .56 / .51 and .58 / .48; where it is 3 to 5, .53 / .49 and .60 / .48. On
-// 60 000 points of the armadillo, 6.8 wide, bricks have .68 and .79. Roof tiles of which only the
-// rows show have .58 / .34 when patches run on, .56 / .43 with --symmetry 180, .56 / .53 with
-// coordinates.
+// do not follow have .72, with --symmetry 180 .69, coordinates .69, tiling .69. With 12 000 and
+// 35 000 points, two seeds, those of the 9 of which the surface is 7 to 16 features wide have
+// .56 / .51 with coordinates, with patches and --symmetry 180, which may stand on their heads,
+// .56 / .48; where it is 5 to 7 wide, .56 / .51 and .58 / .48; where it is 3 to 5, .53 / .49 and
+// .60 / .48. On 60 000 points of the armadillo, 6.8 wide, bricks have .68 and .79. Roof tiles of
+// which only the rows show have .58 / .34 when patches run on, .56 / .43 with --symmetry 180,
+// .56 / .53 with coordinates.
 //
 // The other options, hybrid with 85 000 points, 6 isotropic swatches. Seams mended by 1.5, 3, 6 and
 // 12 pixels: .675, .679, .682 and .683, and the widest is best where features are large. Gaps that
